@@ -1,0 +1,83 @@
+"""bayescal: Bayesian uncertainty analysis for camera calibration.
+
+Each polynomial order of the world-to-pixel map is a likelihood model with
+Gaussian pixel noise; its coefficients' posterior is sampled with emcee, and the
+orders are compared by goodness of fit, information criteria and evidence, so
+that the chosen order can be defended.
+
+>>> import bayescal as bc
+>>> result = bc.compare(bc.thesis(), orders=range(1, 6))
+>>> result.axes["r"].verdict.order
+4
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+# Public names and the modules they live in. They are imported on first use, so
+# that `bayescal --help` does not pay for scipy.
+_EXPORTS = {
+    "BayescalError": "bayescal.errors",
+    "InputError": "bayescal.errors",
+    "Correspondences": "bayescal.points.correspondences",
+    "Setup": "bayescal.points.setup",
+    "load": "bayescal.points.reader",
+    "load_setup": "bayescal.points.setup",
+    "save": "bayescal.points.writer",
+    "thesis": "bayescal.points.bundled",
+    "compare": "bayescal.api",
+    "compare_polynomials": "bayescal.api",
+    "fit": "bayescal.api",
+    "fit_polynomial": "bayescal.api",
+    "least_squares": "bayescal.api",
+}
+
+__all__ = [
+    "BayescalError",
+    "Correspondences",
+    "InputError",
+    "Setup",
+    "__version__",
+    "compare",
+    "compare_polynomials",
+    "fit",
+    "fit_polynomial",
+    "least_squares",
+    "load",
+    "load_setup",
+    "save",
+    "thesis",
+]
+
+if TYPE_CHECKING:
+    from bayescal.api import (
+        compare,
+        compare_polynomials,
+        fit,
+        fit_polynomial,
+        least_squares,
+    )
+    from bayescal.errors import BayescalError, InputError
+    from bayescal.points.bundled import thesis
+    from bayescal.points.correspondences import Correspondences
+    from bayescal.points.reader import load
+    from bayescal.points.setup import Setup, load_setup
+    from bayescal.points.writer import save
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        module = _EXPORTS[name]
+    except KeyError:
+        raise AttributeError(f"module 'bayescal' has no attribute {name!r}") from None
+    value = getattr(import_module(module), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -1,0 +1,237 @@
+"""The public functions: points or arrays in, a comparison out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from bayescal.analysis import (
+    DEFAULT_ESS,
+    DEFAULT_ORDERS,
+    Progress,
+    Settings,
+    analyse_arrays,
+    analyse_points,
+    checked_orders,
+)
+from bayescal.arrays import Array, ArrayLike
+from bayescal.comparison.results import Comparison, OrderResult
+from bayescal.errors import InputError
+from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
+from bayescal.models.linear import generic_axis
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.reader import axis_names
+
+
+def compare(
+    points: Correspondences,
+    orders: Iterable[int] = DEFAULT_ORDERS,
+    *,
+    axis: str = "both",
+    sigma: float | str | None = None,
+    prior: str | None = None,
+    tau: float | None = None,
+    seed: int = 0,
+    ess: int = DEFAULT_ESS,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Compare polynomial orders of the separable family, axis by axis.
+
+    Parameters
+    ----------
+    points : Correspondences
+        From `load`, `thesis` or ``Correspondences.from_arrays``.
+    orders : iterable of int, optional
+        Polynomial degrees, 1 to 5 by default.
+    axis : str, optional
+        ``"r"``, ``"c"`` or ``"both"``.
+    sigma : float or str, optional
+        Noise level: a known number of px, or ``"inferred"``. By default the
+        points' own deviations where they have them, else inferred.
+    prior : str, optional
+        ``"field"``, ``"flat"`` or ``"stated"``; by default the setup's own where
+        it states one, else field.
+    tau : float, optional
+        Fixes the strength of the non-linearity of the field prior, as a fraction
+        of the image; by default it is inferred.
+    seed : int, optional
+        Of all randomness.
+    ess : int, optional
+        Effective samples wanted of every parameter.
+    progress : callable, optional
+        Called with axis and order before each model is sampled.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine an order, or a setting is not usable.
+    """
+    wanted = checked_orders(orders)
+    settings = Settings(sigma, prior, tau, seed, ess)
+    return analyse_points(points, dict.fromkeys(axis_names(axis), wanted), settings, progress)
+
+
+def fit(
+    points: Correspondences,
+    order_r: int | None = None,
+    order_c: int | None = None,
+    *,
+    sigma: float | str | None = None,
+    prior: str | None = None,
+    tau: float | None = None,
+    seed: int = 0,
+    ess: int = DEFAULT_ESS,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Fit one order per axis; what `compare` gives, with a single order each.
+
+    Parameters
+    ----------
+    points : Correspondences
+    order_r, order_c : int, optional
+        Polynomial degrees; an axis without one is left out.
+    sigma, prior, tau, seed, ess, progress
+        As in `compare`.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InputError
+        As `compare`.
+    """
+    orders = {a: checked_orders([k]) for a, k in (("r", order_r), ("c", order_c)) if k is not None}
+    if not orders:
+        raise InputError("give the order of r, of c or of both")
+    return analyse_points(points, orders, Settings(sigma, prior, tau, seed, ess), progress)
+
+
+def compare_polynomials(
+    x: ArrayLike,
+    y: ArrayLike,
+    orders: Iterable[int] = DEFAULT_ORDERS,
+    *,
+    sigma: float | ArrayLike | None = None,
+    prior: str = "field",
+    tau: float | None = None,
+    seed: int = 0,
+    ess: int = DEFAULT_ESS,
+) -> Comparison:
+    """Compare polynomial orders of y as a function of x, without any camera.
+
+    The span of y stands for the image size in the prior and in the bounds of
+    sigma.
+
+    Parameters
+    ----------
+    x, y : array_like
+        ``(n_points,)``.
+    orders : iterable of int, optional
+        Polynomial degrees.
+    sigma : float or array_like, optional
+        Known standard deviation of y, one or ``(n_points,)``; inferred by default.
+    prior : str, optional
+        ``"field"`` or ``"flat"``.
+    tau, seed, ess
+        As in `compare`.
+
+    Returns
+    -------
+    Comparison
+        With the single axis ``"y"``.
+
+    Raises
+    ------
+    InputError
+        As `compare`.
+    """
+    values, known = _per_point_or_known(sigma)
+    data = generic_axis(np.asarray(x), np.asarray(y), values)
+    settings = Settings(known, prior, tau, seed, ess)
+    return analyse_arrays(data, checked_orders(orders), settings)
+
+
+def fit_polynomial(
+    x: ArrayLike,
+    y: ArrayLike,
+    order: int,
+    *,
+    sigma: float | ArrayLike | None = None,
+    prior: str = "field",
+    tau: float | None = None,
+    seed: int = 0,
+    ess: int = DEFAULT_ESS,
+) -> OrderResult:
+    """Fit one polynomial order of y as a function of x.
+
+    Parameters
+    ----------
+    x, y : array_like
+        ``(n_points,)``.
+    order : int
+        Polynomial degree.
+    sigma, prior, tau, seed, ess
+        As in `compare_polynomials`.
+
+    Returns
+    -------
+    OrderResult
+        ``.fit`` holds the least-squares coefficients and standard errors,
+        ``.posterior`` the draws and their summaries.
+
+    Raises
+    ------
+    InputError
+        As `compare`.
+    """
+    result = compare_polynomials(
+        x, y, [order], sigma=sigma, prior=prior, tau=tau, seed=seed, ess=ess
+    )
+    return result.axes["y"].orders[0]
+
+
+def least_squares(
+    x: ArrayLike, y: ArrayLike, order: int, *, sd: float | ArrayLike | None = None
+) -> LeastSquaresFit:
+    """Least-squares polynomial of y as a function of x, nothing sampled.
+
+    Parameters
+    ----------
+    x, y : array_like
+        ``(n_points,)``.
+    order : int
+        Polynomial degree.
+    sd : float or array_like, optional
+        Known standard deviation of y, one or ``(n_points,)``.
+
+    Returns
+    -------
+    LeastSquaresFit
+        Monomial coefficients, lowest power first, with standard errors.
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine the order.
+    """
+    values = np.asarray(sd, dtype=float) if sd is not None else None
+    data = generic_axis(np.asarray(x), np.asarray(y), values)
+    (order,) = checked_orders([order])
+    return solve(factorise(data, order), order, None if values is None else 1.0)
+
+
+def _per_point_or_known(
+    sigma: float | ArrayLike | None,
+) -> tuple[Array | None, float | None]:
+    """Tell deviations per point from one known sigma."""
+    if sigma is None:
+        return None, None
+    values = np.asarray(sigma, dtype=float)
+    return (values, None) if values.ndim else (None, float(values))

@@ -1,0 +1,1 @@
+"""Which order, how strongly, and by which criteria."""

@@ -1,0 +1,89 @@
+"""What a comparison assumed and what it can't vouch for, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from bayescal.comparison.results import AxisComparison, OrderResult
+from bayescal.models.noise import NoiseLevel
+from bayescal.points.correspondences import Correspondences
+
+# Posterior mass of sigma near a bound that is worth a caveat.
+PILE = 0.01
+
+
+def caveats(results: Sequence[OrderResult], noise: NoiseLevel) -> list[str]:
+    """Say what the comparison of one axis can't vouch for.
+
+    Parameters
+    ----------
+    results : sequence of OrderResult
+    noise : NoiseLevel
+
+    Returns
+    -------
+    list of str
+    """
+    found = []
+    exact = [str(r.order) for r in results if r.fit.exact]
+    if exact:
+        found.append(
+            f"order {', '.join(exact)} fits exactly (residuals are rounding): "
+            "likelihood criteria do not exist"
+        )
+    if noise.bounds is not None:
+        for result in results:
+            for side, bound, mass in zip(
+                ("lower", "upper"),
+                noise.bounds,
+                result.posterior.exact.sigma_at_bounds(),
+                strict=True,
+            ):
+                if mass > PILE:
+                    found.append(
+                        f"order {result.order}: {100 * mass:.0f} % of sigma's posterior lies at "
+                        f"its {side} bound, {bound:.3g} px; the evidence depends on that bound"
+                    )
+    failed = [str(r.order) for r in results if not r.posterior.converged]
+    if failed:
+        found.append(f"sampling of order {', '.join(failed)} did not reach the stopping rule")
+    wrong = [str(r.order) for r in results if not r.posterior.agrees_with_exact]
+    if wrong:
+        found.append(
+            f"the draws of order {', '.join(wrong)} disagree with the closed form beyond Monte "
+            "Carlo error: an error of the program"
+        )
+    return found
+
+
+def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str, ...]:
+    """Say what was assumed because nobody said otherwise.
+
+    Parameters
+    ----------
+    points : Correspondences
+    axes : iterable of AxisComparison
+
+    Returns
+    -------
+    tuple of str
+    """
+    setup = points.setup
+    found = []
+    if "position" in setup.assumed:
+        found.append(f"camera position {setup.position} is assumed")
+    found += [
+        f"image {name} {getattr(setup, name):g} px is assumed"
+        for name in ("width", "height")
+        if name in setup.assumed
+    ]
+    for axis in axes:
+        if not axis.data.size_known:
+            found.append(
+                f"{axis.data.axis}: the image size is not known; the span of the pixels, "
+                f"{axis.data.size:g} px, stands for it in the prior"
+            )
+    behind = int((points.camera_frame()[:, 2] < 0).sum())
+    if behind:
+        found.append(f"{behind} of {len(points)} points lie behind the camera (z < 0)")
+    return tuple(found)

@@ -1,0 +1,68 @@
+"""Information criteria from the full maximised likelihood."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from bayescal.inference.least_squares import LeastSquaresFit
+from bayescal.models.noise import NoiseLevel
+
+LOG_2PI = math.log(2 * math.pi)
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """Likelihood criteria of one order; all None for an exact fit.
+
+    Attributes
+    ----------
+    n_parameters : int
+        K: coefficients, plus one where sigma is inferred.
+    log_likelihood : float or None
+        Maximised, with every constant.
+    aic : float or None
+        -2 lnL + 2 K (Akaike 1974).
+    aicc : float or None
+        AIC + 2 K (K + 1) / (n - K - 1) (Hurvich & Tsai 1989); only where sigma is
+        inferred and n > K + 1.
+    bic : float or None
+        -2 lnL + K ln n (Schwarz 1978).
+    """
+
+    n_parameters: int
+    log_likelihood: float | None
+    aic: float | None
+    aicc: float | None
+    bic: float | None
+
+
+def criteria(fit: LeastSquaresFit, noise: NoiseLevel, n: int, log_sd: float = 0.0) -> Criteria:
+    """Information criteria of one order.
+
+    Parameters
+    ----------
+    fit : LeastSquaresFit
+    noise : NoiseLevel
+    n : int
+        Number of points.
+    log_sd : float, optional
+        Sum of ln sd over points whose deviations are known.
+
+    Returns
+    -------
+    Criteria
+    """
+    inferred = noise.value is None
+    k = fit.order + 1 + inferred
+    if fit.exact:
+        return Criteria(k, None, None, None, None)
+    if noise.value is None:
+        log_likelihood = -n / 2 * (LOG_2PI + math.log(fit.rss / n) + 1) - log_sd
+    else:
+        chi2 = fit.rss / noise.value**2
+        log_likelihood = -0.5 * (chi2 + n * LOG_2PI) - n * math.log(noise.value) - log_sd
+    aic = -2 * log_likelihood + 2 * k
+    spare = n - k - 1
+    aicc = aic + 2 * k * (k + 1) / spare if inferred and spare > 0 else None
+    return Criteria(k, log_likelihood, aic, aicc, -2 * log_likelihood + k * math.log(n))

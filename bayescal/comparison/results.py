@@ -1,0 +1,143 @@
+"""The results of a comparison: small frozen values, each estimate with its error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma, Scatter
+from bayescal.comparison.verdict import AxisVerdict
+from bayescal.inference.least_squares import LeastSquaresFit
+from bayescal.inference.posterior import Posterior
+from bayescal.models.linear import AxisData
+from bayescal.models.noise import NoiseLevel
+from bayescal.models.priors import PriorRule
+from bayescal.points.correspondences import Correspondences
+
+
+@dataclass(frozen=True, eq=False)
+class OrderResult:
+    """One order on one axis.
+
+    Attributes
+    ----------
+    order : int
+    fit : LeastSquaresFit
+        Maximum likelihood.
+    rss_px2 : float
+        Residual sum of squares, px^2, unweighted.
+    goodness : GoodnessOfFit
+    criteria : Criteria
+    posterior : Posterior
+    probability : float or None
+        Posterior probability of the order among those compared; None under a
+        flat prior.
+    """
+
+    order: int
+    fit: LeastSquaresFit
+    rss_px2: float
+    goodness: GoodnessOfFit
+    criteria: Criteria
+    posterior: Posterior
+    probability: float | None
+
+    @property
+    def log_evidence(self) -> float | None:
+        """Natural log of the evidence; None under a flat prior."""
+        return self.posterior.exact.log_evidence
+
+    @property
+    def sound(self) -> bool:
+        """Whether the draws converged and agree with the closed form."""
+        return self.posterior.converged and self.posterior.agrees_with_exact
+
+    def __repr__(self) -> str:
+        chance = "" if self.probability is None else f", probability {self.probability:.3f}"
+        return f"<OrderResult: order {self.order}, RSS {self.rss_px2:.1f} px^2{chance}>"
+
+
+@dataclass(frozen=True, eq=False)
+class AxisComparison:
+    """The orders of one axis, compared.
+
+    Attributes
+    ----------
+    data : AxisData
+    noise : NoiseLevel
+    noise_source : str
+        How the noise level was chosen, in words.
+    prior : PriorRule
+    reference : ReferenceSigma
+        What chi-squared is measured in.
+    scatter : Scatter
+    orders : tuple of OrderResult
+        Ascending.
+    verdict : AxisVerdict
+    """
+
+    data: AxisData
+    noise: NoiseLevel
+    noise_source: str
+    prior: PriorRule
+    reference: ReferenceSigma
+    scatter: Scatter
+    orders: tuple[OrderResult, ...]
+    verdict: AxisVerdict
+
+    def __getitem__(self, order: int) -> OrderResult:
+        for result in self.orders:
+            if result.order == order:
+                return result
+        compared = ", ".join(str(r.order) for r in self.orders)
+        raise KeyError(f"order {order} was not compared; orders: {compared}")
+
+    @property
+    def chosen(self) -> OrderResult:
+        """The recommended order, or the one of lowest BIC where none can be."""
+        order = self.verdict.order
+        if order is not None:
+            return self[order]
+        return min(self.orders, key=lambda r: (r.criteria.bic is None, r.criteria.bic or 0.0))
+
+    def __repr__(self) -> str:
+        return f"<AxisComparison {self.data.axis}: {self.verdict.text}>"
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Everything that one analysis found.
+
+    Attributes
+    ----------
+    axes : dict of str to AxisComparison
+        ``"r"`` and ``"c"``, or ``"y"`` for a generic problem.
+    family : str
+    points : Correspondences or None
+        None for a generic problem.
+    seed, ess : int
+        As asked for.
+    notes : tuple of str
+        What was assumed because nobody said otherwise.
+    """
+
+    axes: dict[str, AxisComparison]
+    family: str
+    points: Correspondences | None
+    seed: int
+    ess: int
+    notes: tuple[str, ...]
+
+    @property
+    def sound(self) -> bool:
+        """Whether every order's draws converged and agree with the closed form."""
+        return all(result.sound for axis in self.axes.values() for result in axis.orders)
+
+    @property
+    def orders(self) -> dict[str, int | None]:
+        """Recommended order of each axis."""
+        return {name: axis.verdict.order for name, axis in self.axes.items()}
+
+    def __repr__(self) -> str:
+        lines = [f"  {name}: {axis.verdict.text}" for name, axis in self.axes.items()]
+        return "\n".join([f"<Comparison: family {self.family}", *lines]) + ">"

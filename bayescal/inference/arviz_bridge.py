@@ -1,0 +1,75 @@
+"""The one place that talks to ArviZ, whatever its version.
+
+ArviZ 1.x is made of arviz_base and arviz_stats; 0.23, the last for Python 3.11,
+brings the same packages as its "preview". Both are used through those two names.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from bayescal.arrays import Array
+
+
+class Diagnostics(NamedTuple):
+    """Convergence diagnostics of one parameter (Vehtari et al. 2021)."""
+
+    rhat: float
+    ess_bulk: float
+    ess_tail: float
+    ess_mean: float
+    ess_sd: float
+
+
+def diagnose(draws: Array) -> Diagnostics:
+    """Rank-normalised split R-hat and effective sample sizes of one parameter.
+
+    Parameters
+    ----------
+    draws : Array
+        ``(n_chains, n_draws)``.
+    """
+    from arviz_stats.base import array_stats
+
+    def ess(method: str, **options: float) -> float:
+        value = array_stats.ess(draws, chain_axis=0, draw_axis=1, method=method, **options)
+        return float(value)
+
+    return Diagnostics(
+        float(array_stats.rhat(draws, chain_axis=0, draw_axis=1)),
+        ess("bulk"),
+        ess("tail", prob=0.95),
+        ess("mean"),
+        ess("sd"),
+    )
+
+
+def write_netcdf(
+    path: Path,
+    posterior: dict[str, Array],
+    sample_stats: dict[str, Array],
+    observed: dict[str, Array],
+    attributes: dict[str, Any],
+) -> None:
+    """Write draws as NetCDF with ArviZ's groups.
+
+    Parameters
+    ----------
+    path : Path
+    posterior, sample_stats : dict of str to Array
+        ``(n_chains, n_draws)`` each.
+    observed : dict of str to Array
+        Data, ``(n_points,)`` each.
+    attributes : dict
+        Written on the posterior group.
+    """
+    import arviz_base
+
+    tree = arviz_base.from_dict(
+        {"posterior": posterior, "sample_stats": sample_stats, "observed_data": observed}
+    )
+    tree["posterior"].attrs = attributes
+    for name in ("sample_stats", "observed_data"):
+        tree[name].attrs = {}
+    tree.to_netcdf(path, engine="h5netcdf")

@@ -1,0 +1,169 @@
+"""One orthogonal factorisation serves all orders of a nested linear family."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from bayescal.arrays import Array, frozen
+from bayescal.models.basis import MonomialMap, legendre_design
+from bayescal.models.linear import AxisData
+
+
+@dataclass(frozen=True, eq=False)
+class Factorisation:
+    """QR factorisation of the weighted [design | pixels] at the highest order.
+
+    The leading block of R and of Q't belongs to every lower order, whose residual
+    sum of squares adds the squares of the dropped entries of Q't (Golub & Van Loan,
+    Matrix Computations, 5.3.3). After this nothing touches the points again.
+
+    Attributes
+    ----------
+    r : Array
+        Upper triangle R, ``(n_coefficients, n_coefficients)``, per px of weight.
+    qt : Array
+        Q't, ``(n_coefficients,)``.
+    tail : float
+        Residual norm beyond the highest order.
+    n : int
+        Number of points.
+    largest : float
+        Largest weighted pixel in size: the scale of rounding.
+    log_sd : float
+        Sum of ln sd over the points with known deviations; 0 without them.
+    monomials : MonomialMap
+        From Legendre amplitudes to monomial coefficients.
+    """
+
+    r: Array
+    qt: Array
+    tail: float
+    n: int
+    largest: float
+    log_sd: float
+    monomials: MonomialMap
+
+    def rss(self, order: int) -> float:
+        """Weighted residual sum of squares of an order."""
+        dropped = np.append(self.qt[order + 1 :], self.tail)
+        return float(dropped @ dropped)
+
+    def block(self, order: int) -> tuple[Array, Array]:
+        """R and Q't of an order: leading blocks."""
+        size = order + 1
+        return self.r[:size, :size], self.qt[:size]
+
+    def exact_fit(self, order: int) -> bool:
+        """Whether the residuals are rounding: RSS below n (64 eps max|t|)^2."""
+        floor = 64 * np.finfo(float).eps * self.largest
+        return bool(self.rss(order) < self.n * floor**2)
+
+
+def factorise(data: AxisData, order: int) -> Factorisation:
+    """Factorise the weighted [design | pixels] of an axis.
+
+    Parameters
+    ----------
+    data : AxisData
+    order : int
+        Highest order wanted.
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine that order.
+    """
+    data.check(order)
+    design = legendre_design(data.domain.scale(data.x), order)
+    augmented = np.column_stack([design, data.t])
+    log_sd = 0.0
+    if data.sd is not None:
+        augmented /= data.sd[:, None]
+        log_sd = float(np.log(data.sd).sum())
+    triangle = np.linalg.qr(augmented, mode="r")
+    size = order + 1
+    tail = float(abs(triangle[size, size])) if len(data) > size else 0.0
+    return Factorisation(
+        frozen(triangle[:size, :size]),
+        frozen(triangle[:size, size]),
+        tail,
+        len(data),
+        float(np.abs(augmented[:, -1]).max()),
+        log_sd,
+        MonomialMap(data.domain, order),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquaresFit:
+    """Maximum-likelihood coefficients of one order.
+
+    Attributes
+    ----------
+    order : int
+    coefficients : Array
+        Monomial coefficients, lowest power first, ``(order + 1,)``, px.
+    standard_errors : Array or None
+        Their standard errors at `sigma_hat` (or at the known deviations),
+        ``(order + 1,)``, px; None where no degree of freedom is left.
+    amplitudes : Array
+        Legendre amplitudes b_j, ``(order + 1,)``, px.
+    rss : float
+        Residual sum of squares, px^2 (with known deviations: dimensionless).
+    dof : int
+        n - p.
+    sigma_hat : float or None
+        sqrt(rss / dof), px; None where dof is 0.
+    exact : bool
+        Whether the residuals are rounding only.
+    """
+
+    order: int
+    coefficients: Array
+    standard_errors: Array | None
+    amplitudes: Array
+    rss: float
+    dof: int
+    sigma_hat: float | None
+    exact: bool
+
+
+def solve(factors: Factorisation, order: int, sigma: float | None = None) -> LeastSquaresFit:
+    """Least-squares coefficients of one order, in amplitudes and in monomials.
+
+    Parameters
+    ----------
+    factors : Factorisation
+    order : int
+        Up to the factorised one.
+    sigma : float, optional
+        Known noise level for the standard errors (1 with known deviations);
+        by default `sigma_hat` of the fit.
+
+    Returns
+    -------
+    LeastSquaresFit
+    """
+    r, qt = factors.block(order)
+    amplitudes = solve_triangular(r, qt)
+    rss = factors.rss(order)
+    dof = factors.n - order - 1
+    sigma_hat = float(np.sqrt(rss / dof)) if dof > 0 else None
+    scale = sigma if sigma is not None else sigma_hat
+    errors = None
+    if scale is not None:
+        inverse = solve_triangular(r, np.eye(order + 1))
+        errors = frozen(scale * np.linalg.norm(factors.monomials.apply(inverse), axis=1))
+    return LeastSquaresFit(
+        order,
+        frozen(factors.monomials.apply(amplitudes)),
+        errors,
+        frozen(amplitudes),
+        rss,
+        dof,
+        sigma_hat,
+        factors.exact_fit(order),
+    )

@@ -1,0 +1,76 @@
+"""Independence Metropolis as a move of emcee."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from emcee.moves import Move
+
+from bayescal.arrays import Array
+from bayescal.inference.proposal import Proposal
+
+# Proposals don't depend on the state, so they are drawn for this many steps at a
+# time: the cost of many small array operations falls by this factor.
+STEPS_AHEAD = 64
+
+
+class IndependenceMove(Move):
+    """Metropolis-Hastings with a proposal that does not depend on the state.
+
+    Each walker moves on its own and so is an independent chain (Tierney 1994,
+    Ann. Statist. 22, 2.3.3); the acceptance ratio is p(x') q(x) / (p(x) q(x')).
+
+    Parameters
+    ----------
+    proposal : Proposal
+        In the sampler's coordinates.
+    rng : numpy.random.Generator
+        The only source of randomness of the move.
+    """
+
+    def __init__(self, proposal: Proposal, rng: np.random.Generator) -> None:
+        self.proposal, self.rng = proposal, rng
+        self._ahead: list[tuple[Array, Array]] = []  # drawn, not yet proposed
+        self._at: tuple[Array, Array] | None = None  # where the walkers are, and log q there
+
+    def propose(self, model: Any, state: Any) -> tuple[Any, Any]:
+        """Propose a new state for every walker and accept or keep the old one.
+
+        Parameters
+        ----------
+        model : emcee.model.Model
+        state : emcee.State
+
+        Returns
+        -------
+        state : emcee.State
+        accepted : ndarray of bool
+            ``(n_walkers,)``.
+        """
+        walkers = len(state.coords)
+        coords, log_q = self._next(walkers)
+        log_q_now = self._log_q(state.coords)
+        log_prob, blobs = model.compute_log_prob_fn(coords)
+        log_ratio = log_prob - state.log_prob + log_q_now - log_q
+        accepted = np.log(self.rng.random(walkers)) < log_ratio
+        # emcee's State has no type information; its class is that of the one given.
+        new = type(state)(coords, log_prob=log_prob, blobs=blobs)
+        state = self.update(state, new, accepted)
+        self._at = state.coords.copy(), np.where(accepted, log_q, log_q_now)
+        return state, accepted
+
+    def _next(self, walkers: int) -> tuple[Array, Array]:
+        if not self._ahead or len(self._ahead[-1][1]) != walkers:
+            coords = self.proposal.draw(self.rng, STEPS_AHEAD * walkers)
+            log_q = self.proposal.log_density(coords)
+            self._ahead = list(
+                zip(np.split(coords, STEPS_AHEAD), np.split(log_q, STEPS_AHEAD), strict=True)
+            )
+        return self._ahead.pop()
+
+    def _log_q(self, coords: Array) -> Array:
+        """Log density where the walkers are: remembered, unless another move moved them."""
+        if self._at is not None and np.array_equal(self._at[0], coords):
+            return self._at[1]
+        return self.proposal.log_density(coords)

@@ -1,0 +1,173 @@
+"""A sampled posterior, summarised and checked against the closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.inference.closed_form import ExactPosterior, exact_posterior
+from bayescal.inference.coordinates import Whitening
+from bayescal.inference.model import LinearModel
+from bayescal.inference.proposal import LinearProposal, Proposal
+from bayescal.inference.sampling import Chain, sample
+from bayescal.inference.target import log_prob
+
+# A mean or sd further than this many Monte Carlo standard errors from the closed
+# form is an error of the program, not of chance.
+AGREEMENT = 5.0
+INTERVAL_PROBABILITY = 0.95
+
+
+@dataclass(frozen=True)
+class ParameterSummary:
+    """What the draws say of one parameter, beside the closed form.
+
+    Attributes
+    ----------
+    name : str
+    mean, sd : float
+        Of the draws, px (tau: fraction of the image).
+    interval : tuple of float
+        Central (equal-tailed) interval of the draws.
+    interval_probability : float
+    mcse_mean : float
+        Monte Carlo standard error of the mean.
+    ess_bulk, ess_tail, rhat : float
+        Rank-normalised diagnostics (Vehtari et al. 2021).
+    exact_mean, exact_sd : float
+        Of the closed form.
+    deviation : float
+        The larger of the distances of mean and sd from the closed form, in Monte
+        Carlo standard errors.
+    """
+
+    name: str
+    mean: float
+    sd: float
+    interval: tuple[float, float]
+    interval_probability: float
+    mcse_mean: float
+    ess_bulk: float
+    ess_tail: float
+    rhat: float
+    exact_mean: float
+    exact_sd: float
+    deviation: float
+
+
+@dataclass(frozen=True, eq=False)
+class Posterior:
+    """Posterior of one order: draws of emcee, checked against the closed form.
+
+    Attributes
+    ----------
+    exact : ExactPosterior
+    chain : Chain
+    parameters : tuple of ParameterSummary
+        Coefficients, then sigma, then tau, as far as they are inferred.
+    """
+
+    exact: ExactPosterior
+    chain: Chain
+    parameters: tuple[ParameterSummary, ...]
+
+    @property
+    def converged(self) -> bool:
+        """Whether the stopping rule was met."""
+        return self.chain.converged
+
+    @property
+    def agrees_with_exact(self) -> bool:
+        """Whether every mean and sd is within 5 Monte Carlo errors of the closed form."""
+        return all(p.deviation < AGREEMENT for p in self.parameters)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in the order of the draws' last axis."""
+        return self.exact.model.names
+
+    def __getitem__(self, name: str) -> ParameterSummary:
+        return self.parameters[self.names.index(name)]
+
+    def __repr__(self) -> str:
+        chains, draws, _ = self.chain.draws.shape
+        lines = [f"<Posterior: order {self.exact.model.order}, {chains} chains of {draws} draws"]
+        lines += [f"  {p.name} = {p.mean:.6g} +- {p.sd:.2g}" for p in self.parameters]
+        return "\n".join(lines) + ">"
+
+
+def sample_posterior(
+    model: LinearModel,
+    rng: np.random.Generator,
+    ess: int,
+    exact: ExactPosterior | None = None,
+    proposal: Proposal | None = None,
+) -> Posterior:
+    """Sample a linear model's posterior with emcee and check it.
+
+    Parameters
+    ----------
+    model : LinearModel
+    rng : numpy.random.Generator
+    ess : int
+        Effective samples wanted of every parameter.
+    exact : ExactPosterior, optional
+        The closed form, where it is already at hand.
+    proposal : Proposal, optional
+        By default the closed form, interpolated.
+
+    Returns
+    -------
+    Posterior
+    """
+    exact = exact if exact is not None else exact_posterior(model)
+    to_monomials = model.factors.monomials.lead(model.order).T
+
+    def report(theta: Array) -> Array:
+        coefficients = theta[:, : model.size] @ to_monomials
+        return np.concatenate([coefficients, np.exp(theta[:, model.size :])], axis=1)
+
+    chain = sample(
+        lambda theta: log_prob(model, theta),
+        proposal if proposal is not None else LinearProposal(exact),
+        Whitening.of(exact),
+        report,
+        rng,
+        ess,
+    )
+    return Posterior(exact, chain, _summaries(exact, chain))
+
+
+def _summaries(exact: ExactPosterior, chain: Chain) -> tuple[ParameterSummary, ...]:
+    flat = chain.draws.reshape(-1, chain.draws.shape[2])
+    tail = (1 - INTERVAL_PROBABILITY) / 2
+    lower, upper = np.quantile(flat, [tail, 1 - tail], axis=0)
+    means, sds = flat.mean(axis=0), flat.std(axis=0, ddof=1)
+    exact_means, exact_sds = exact.summary
+    out = []
+    for j, (name, found) in enumerate(zip(exact.model.names, chain.diagnostics, strict=True)):
+        # Errors from the exact moments: a heavy tail the draws missed can't hide itself.
+        error_mean = exact_sds[j] / np.sqrt(found.ess_mean)
+        error_sd = exact_sds[j] * np.sqrt((exact.kurtosis[j] - 1) / 4 / found.ess_sd)
+        deviation = max(
+            abs(means[j] - exact_means[j]) / error_mean, abs(sds[j] - exact_sds[j]) / error_sd
+        )
+        out.append(
+            ParameterSummary(
+                name,
+                float(means[j]),
+                float(sds[j]),
+                (float(lower[j]), float(upper[j])),
+                INTERVAL_PROBABILITY,
+                float(sds[j] / np.sqrt(found.ess_mean)),
+                found.ess_bulk,
+                found.ess_tail,
+                found.rhat,
+                float(exact_means[j]),
+                float(exact_sds[j]),
+                float(deviation),
+            )
+        )
+    return tuple(out)

@@ -1,0 +1,133 @@
+"""Sampling a posterior with emcee until a stated rule is met."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import emcee
+import numpy as np
+from emcee.autocorr import integrated_time
+
+from bayescal.arrays import Array
+from bayescal.inference.arviz_bridge import Diagnostics, diagnose
+from bayescal.inference.coordinates import WhitenedProposal, Whitening
+from bayescal.inference.move import IndependenceMove
+from bayescal.inference.proposal import Proposal
+
+WALKERS = 80
+BURN_IN = 10  # steps; the walkers start from the proposal, which is nearly the posterior
+RHAT_LIMIT = 1.01
+TAU_STEPS = 50  # autocorrelation times that a chain must be long (emcee's rule)
+MAX_EXTENSIONS = 4  # each doubles the steps
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Draws of emcee with their diagnostics.
+
+    Attributes
+    ----------
+    draws : Array
+        Reported parameters, ``(n_chains, n_draws, n_parameters)``; a walker of the
+        independence move is a chain.
+    theta : Array
+        Sampled parameters, of the same shape.
+    log_prob : Array
+        Log of likelihood times prior, ``(n_chains, n_draws)``.
+    diagnostics : tuple of Diagnostics
+        Per reported parameter.
+    acceptance : float
+        Mean acceptance fraction.
+    autocorrelation_time : float
+        The largest over the reported parameters, steps.
+    converged : bool
+        Whether the stopping rule was met.
+    """
+
+    draws: Array
+    theta: Array
+    log_prob: Array
+    diagnostics: tuple[Diagnostics, ...]
+    acceptance: float
+    autocorrelation_time: float
+    converged: bool
+
+
+def sample(
+    log_prob: Callable[[Array], Array],
+    proposal: Proposal,
+    whitening: Whitening,
+    report: Callable[[Array], Array],
+    rng: np.random.Generator,
+    ess: int,
+) -> Chain:
+    """Sample with independence Metropolis until the stopping rule is met.
+
+    The rule: bulk and tail ESS of every parameter at least `ess`, rank-normalised
+    split R-hat below 1.01, more than 50 autocorrelation times of steps. Where it is
+    not met the chain is doubled, four times at most.
+
+    Parameters
+    ----------
+    log_prob : callable
+        From parameters ``(n, dimension)`` to log densities ``(n,)``.
+    proposal : Proposal
+    whitening : Whitening
+        Coordinates emcee samples in.
+    report : callable
+        From parameters ``(n, dimension)`` to reported ones ``(n, n_parameters)``.
+    rng : numpy.random.Generator
+    ess : int
+        Effective samples wanted of every parameter.
+
+    Returns
+    -------
+    Chain
+    """
+    whitened = WhitenedProposal(proposal, whitening)
+    move = IndependenceMove(whitened, rng)
+    start = whitened.draw(rng, WALKERS)
+    sampler = emcee.EnsembleSampler(
+        WALKERS,
+        start.shape[1],
+        lambda u: log_prob(whitening.theta(u)),
+        moves=move,
+        vectorize=True,
+    )
+    # emcee chooses among its moves with a legacy generator; one move leaves no choice.
+    state = sampler.run_mcmc(start, BURN_IN, store=False)
+    steps = max(TAU_STEPS + 14, math.ceil(1.12 * ess / WALKERS))
+    for extension in range(MAX_EXTENSIONS + 1):
+        state = sampler.run_mcmc(state, steps)
+        chain = _collect(sampler, whitening, report, ess)
+        if chain.converged or extension == MAX_EXTENSIONS:
+            break
+        steps = chain.draws.shape[1]
+    return chain
+
+
+def _collect(
+    sampler: emcee.EnsembleSampler,
+    whitening: Whitening,
+    report: Callable[[Array], Array],
+    ess: int,
+) -> Chain:
+    u = sampler.get_chain()  # (step, walker, dimension)
+    theta = whitening.theta(u.swapaxes(0, 1))
+    draws = report(theta.reshape(-1, theta.shape[2])).reshape(*theta.shape[:2], -1)
+    diagnostics = tuple(diagnose(draws[:, :, j]) for j in range(draws.shape[2]))
+    times = integrated_time(draws.swapaxes(0, 1), quiet=True)
+    time = float(np.max(times))
+    enough = min(min(d.ess_bulk, d.ess_tail) for d in diagnostics) >= ess
+    mixed = max(d.rhat for d in diagnostics) < RHAT_LIMIT
+    return Chain(
+        draws,
+        theta,
+        sampler.get_log_prob().T,
+        diagnostics,
+        float(np.mean(sampler.acceptance_fraction)),
+        time,
+        bool(enough and mixed and draws.shape[1] > TAU_STEPS * time),
+    )

@@ -1,0 +1,1 @@
+"""What predicts a pixel and with what likelihood: bases, families, noise, priors."""

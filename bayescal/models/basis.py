@@ -1,0 +1,135 @@
+r"""The Legendre basis on a domain, and its exact map to monomials.
+
+Coefficients are worked with as Legendre amplitudes b_j (px at the edge of the
+domain) and reported as monomial coefficients alpha_j of regressor^j. The map
+between the two is linear. It is computed here in rational arithmetic, because in
+doubles it costs several digits (NIST's Filip: 13.8 correct digits become 7.4 when
+raw monomials are solved for).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
+
+from bayescal.arrays import Array
+
+# Regressors closer than this fraction of the domain count as the same value.
+SAME_REGRESSOR = 1e-9
+
+
+@dataclass(frozen=True)
+class Domain:
+    """The interval [lower, upper] of a regressor, mapped to s in [-1, 1]."""
+
+    lower: float
+    upper: float
+
+    @classmethod
+    def of(cls, x: Array) -> Domain:
+        """Domain that the values `x`, ``(n_points,)``, span."""
+        return cls(float(x.min()), float(x.max()))
+
+    @property
+    def middle(self) -> float:
+        """Centre of the domain, where s = 0."""
+        return self.lower + (self.upper - self.lower) / 2
+
+    @property
+    def half_range(self) -> float:
+        """Half the domain's width."""
+        return (self.upper - self.lower) / 2
+
+    def scale(self, x: Array) -> Array:
+        """Map regressor values to s; values beyond the domain go beyond [-1, 1]."""
+        return (x - self.middle) / self.half_range
+
+
+def distinct_values(x: Array) -> int:
+    """Count the regressor values that differ by more than 1e-9 of the domain."""
+    ordered = np.sort(x)
+    width = ordered[-1] - ordered[0]
+    return 1 + int((np.diff(ordered) > SAME_REGRESSOR * width).sum())
+
+
+def legendre_design(s: Array, order: int) -> Array:
+    """Design matrix of Legendre polynomials, ``(n_points, order + 1)``.
+
+    Parameters
+    ----------
+    s : Array
+        Scaled regressor, ``(n_points,)``.
+    order : int
+        Highest polynomial degree.
+    """
+    return np.asarray(np.polynomial.legendre.legvander(s, order), dtype=np.float64)
+
+
+@dataclass(frozen=True)
+class MonomialMap:
+    """The linear map from Legendre amplitudes on a domain to monomial coefficients.
+
+    ``alpha = matrix @ b``: alpha_j multiplies regressor^j.
+    """
+
+    domain: Domain
+    order: int
+
+    @cached_property
+    def exact(self) -> list[list[Fraction]]:
+        """Exact matrix, ``(order + 1, order + 1)``: row j, column k is d alpha_j / d b_k."""
+        half = Fraction(self.domain.half_range)
+        s = [-Fraction(self.domain.middle) / half, 1 / half]  # s as a polynomial of x
+        columns = [[Fraction(1)], s]
+        for k in range(1, self.order):
+            # Bonnet's recursion: (k + 1) P_{k+1} = (2k + 1) s P_k - k P_{k-1}.
+            rise = _product(s, columns[k])
+            previous = columns[k - 1] + [Fraction(0)] * 2
+            columns.append(
+                [((2 * k + 1) * a - k * b) / (k + 1) for a, b in zip(rise, previous, strict=True)]
+            )
+        size = self.order + 1
+        padded = [column + [Fraction(0)] * (size - len(column)) for column in columns[:size]]
+        return [[padded[k][j] for k in range(size)] for j in range(size)]
+
+    @cached_property
+    def matrix(self) -> Array:
+        """The map rounded to doubles, ``(order + 1, order + 1)``."""
+        return np.array([[float(entry) for entry in row] for row in self.exact])
+
+    def apply(self, amplitudes: Array) -> Array:
+        """Monomial coefficients of one set of amplitudes, rounded once at the end.
+
+        Parameters
+        ----------
+        amplitudes : Array
+            b_0 to b_k, ``(k + 1,)`` or ``(k + 1, m)`` column by column, px.
+
+        Returns
+        -------
+        Array
+            alpha_0 to alpha_k, of the same shape, px.
+        """
+        size = len(amplitudes)
+        exact = [row[:size] for row in self.exact[:size]]
+        columns = np.reshape(amplitudes, (size, -1)).T
+        mapped = [
+            [float(sum(m * Fraction(b) for m, b in zip(row, column, strict=True))) for row in exact]
+            for column in columns.tolist()
+        ]
+        return np.array(mapped).T.reshape(amplitudes.shape)
+
+    def lead(self, order: int) -> Array:
+        """Matrix of a lower order: the leading block, ``(order + 1, order + 1)``."""
+        return self.matrix[: order + 1, : order + 1]
+
+
+def _product(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:
+    out = [Fraction(0)] * (len(a) + len(b) - 1)
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            out[i + j] += x * y
+    return out

@@ -1,0 +1,124 @@
+"""A pixel axis explained by nested linear models: what every linear family hands on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array, frozen
+from bayescal.errors import InputError
+from bayescal.models.basis import Domain, distinct_values
+
+
+@dataclass(frozen=True, eq=False)
+class AxisData:
+    """One pixel axis as a polynomial regression problem.
+
+    Attributes
+    ----------
+    axis : str
+        ``"r"``, ``"c"``, or ``"y"`` for a generic problem.
+    regressor : str
+        What the polynomial is a function of: ``"x/z"``, ``"y/z"``, ``"x"``.
+    symbol : str
+        Name of the coefficients: ``"alpha"`` for r, ``"beta"`` for c.
+    x : Array
+        Regressor values, ``(n_points,)``.
+    t : Array
+        Measured pixels, ``(n_points,)``, px.
+    sd : Array or None
+        Known standard deviations per point, ``(n_points,)``, px.
+    labels : tuple of str
+        A name per point.
+    size : float
+        Image size along the axis, or the span of t where it is not known, px.
+    size_known : bool
+        Whether `size` is an image size.
+    source : str
+        Where the points came from, for messages.
+    """
+
+    axis: str
+    regressor: str
+    symbol: str
+    x: Array
+    t: Array
+    sd: Array | None
+    labels: tuple[str, ...]
+    size: float
+    size_known: bool
+    source: str
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    @property
+    def domain(self) -> Domain:
+        """Interval that the regressor spans."""
+        return Domain.of(self.x)
+
+    def check(self, order: int) -> None:
+        """Refuse an order that these points can't determine.
+
+        Raises
+        ------
+        InputError
+            With the highest order that still works.
+        """
+        where = f"{self.source}: axis {self.axis}"
+        values = distinct_values(self.x)
+        works = min(values, len(self)) - 1
+        advice = (
+            f"the highest order that works is {works}"
+            if works >= 1
+            else "no order works; add points"
+        )
+        if len(self) < order + 1:
+            raise InputError(
+                f"{where}: order {order} has {order + 1} coefficients for {len(self)} points; "
+                f"{advice}"
+            )
+        if values < order + 1:
+            raise InputError(
+                f"{where}: {self.regressor} takes {values} distinct values, order {order} needs "
+                f"{order + 1}; {advice}"
+            )
+
+
+def generic_axis(x: Array, y: Array, sd: Array | None = None, source: str = "x and y") -> AxisData:
+    """Set up a generic one-axis problem: y as a polynomial of x.
+
+    The span of y stands for the image size.
+
+    Parameters
+    ----------
+    x, y : Array
+        ``(n_points,)``; y in whatever unit it has.
+    sd : Array, optional
+        Known standard deviations of y, ``(n_points,)``.
+    source : str, optional
+        Where the numbers came from, for messages.
+
+    Raises
+    ------
+    InputError
+        Where shapes disagree or a number is not finite.
+    """
+    x, y = frozen(x), frozen(y)
+    if x.ndim != 1 or x.shape != y.shape or len(x) == 0:
+        raise InputError(f"x and y must be one-dimensional alike, not {x.shape} and {y.shape}")
+    if sd is not None:
+        sd = frozen(np.broadcast_to(sd, y.shape))
+        if not ((sd > 0) & np.isfinite(sd)).all():
+            raise InputError("standard deviations must be positive and finite")
+    if not (np.isfinite(x).all() and np.isfinite(y).all()):
+        raise InputError("x and y must be finite")
+    labels = tuple(str(i + 1) for i in range(len(x)))
+    return AxisData("y", "x", "beta", x, y, sd, labels, pixel_span(y), False, source)
+
+
+def pixel_span(t: Array) -> float:
+    """Span of the pixels, px; 1 where they are all the same."""
+    span = float(t.max() - t.min())
+    return span if span > 0 else 1.0

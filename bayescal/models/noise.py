@@ -1,0 +1,64 @@
+"""What is known of the pixel noise's level."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from bayescal.errors import InputError
+
+# Bounds of an inferred sigma on an image, px (ln sigma uniform between them).
+SIGMA_BOUNDS = (0.01, 1000.0)
+# The same as fractions of the span of y, where y is not a pixel: 0.01 and 1000 of 1920.
+SPAN_BOUNDS = (0.01 / 1920, 1000.0 / 1920)
+
+
+@dataclass(frozen=True)
+class NoiseLevel:
+    """Standard deviation of Gaussian noise: known, or inferred between bounds.
+
+    Attributes
+    ----------
+    source : str
+        ``"known"`` or ``"inferred"``.
+    value : float or None
+        Known sigma of every point, px; with known deviations per point it is
+        the factor 1 on them; None where sigma is inferred.
+    bounds : tuple of float or None
+        Bounds of an inferred sigma, px; ln sigma is uniform between them.
+    """
+
+    source: str
+    value: float | None
+    bounds: tuple[float, float] | None
+
+    @classmethod
+    def known(cls, sigma: float) -> NoiseLevel:
+        """Sigma known, px.
+
+        Raises
+        ------
+        InputError
+            Where sigma is not positive and finite.
+        """
+        if not (math.isfinite(sigma) and sigma > 0):
+            raise InputError(f"sigma must be a positive number of px, not {sigma:g}")
+        return cls("known", sigma, None)
+
+    @classmethod
+    def inferred(cls, bounds: tuple[float, float] = SIGMA_BOUNDS) -> NoiseLevel:
+        """Sigma inferred, ln sigma uniform between bounds, px."""
+        return cls("inferred", None, bounds)
+
+    @property
+    def log_bounds(self) -> tuple[float, float]:
+        """Bounds of ln sigma of an inferred sigma."""
+        assert self.bounds is not None, "sigma is known"
+        return math.log(self.bounds[0]), math.log(self.bounds[1])
+
+    def log_prior(self) -> float:
+        """Log density of ln sigma inside the bounds; 0 where sigma is known."""
+        if self.bounds is None:
+            return 0.0
+        lower, upper = self.log_bounds
+        return -math.log(upper - lower)

@@ -1,0 +1,158 @@
+r"""Priors of the Legendre amplitudes, in pixels.
+
+``field`` (the default): b_0 ~ N(size/2, (size/2)^2), b_1 ~ N(0, (size/2)^2) and,
+for j >= 2, b_j ~ N(0, (tau size)^2), with tau log-uniform on [0.001, 0.5], common
+to the coefficients of a model and inferred, or fixed. ``flat``: uniform and
+improper, so that no evidence can be had. ``stated``: the user's own normal prior
+of each amplitude.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayescal.arrays import Array, frozen
+from bayescal.errors import InputError
+from bayescal.points.setup import StatedPrior
+
+# Bounds of an inferred tau, as a fraction of the image (ln tau uniform between them).
+TAU_BOUNDS = (0.001, 0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class CoefficientPrior:
+    """Independent normal priors of the amplitudes b_0 ... b_k, or a flat one.
+
+    Attributes
+    ----------
+    name : str
+        ``"field"``, ``"stated"`` or ``"flat"``.
+    mean : Array
+        Means, ``(n_coefficients,)``, px.
+    sd : Array
+        Standard deviations, ``(n_coefficients,)``, px; where `scaled` is true,
+        of tau = 1.
+    scaled : Array of bool
+        Which standard deviations are multiplied by tau.
+    size : float
+        Image size along the axis (or the span that stands for it), px.
+    tau : float or None
+        tau where it is fixed; None where it is inferred or has no part.
+    """
+
+    name: str
+    mean: Array
+    sd: Array
+    scaled: NDArray[np.bool_]
+    size: float
+    tau: float | None = None
+
+    @property
+    def proper(self) -> bool:
+        """Whether the prior integrates to 1, so that an evidence exists."""
+        return self.name != "flat"
+
+    @property
+    def infers_tau(self) -> bool:
+        """Whether tau is a parameter of the model."""
+        return bool(self.scaled.any()) and self.tau is None
+
+    @property
+    def log_tau_bounds(self) -> tuple[float, float]:
+        """Bounds of ln tau."""
+        return math.log(TAU_BOUNDS[0]), math.log(TAU_BOUNDS[1])
+
+    def deviations(self, log_tau: Array) -> Array:
+        """Give the standard deviations at each tau, ``(n_tau, n_coefficients)``, px.
+
+        Parameters
+        ----------
+        log_tau : Array
+            ln tau, ``(n_tau,)``; ignored by coefficients it does not scale.
+        """
+        deviations: Array = np.where(self.scaled, np.exp(log_tau)[:, None] * self.sd, self.sd)
+        return deviations
+
+    def log_tau_density(self) -> float:
+        """Log density of ln tau inside its bounds; 0 where tau is no parameter."""
+        if not self.infers_tau:
+            return 0.0
+        lower, upper = self.log_tau_bounds
+        return -math.log(upper - lower)
+
+
+@dataclass(frozen=True)
+class PriorRule:
+    """Makes the prior of any order on one axis.
+
+    Attributes
+    ----------
+    name : str
+        ``"field"``, ``"stated"`` or ``"flat"``.
+    size : float
+        Image size along the axis, or the span that stands for it, px.
+    centre : float
+        Mean of b_0 under ``field``, px.
+    tau : float or None
+        tau where it is fixed.
+    stated : StatedPrior or None
+        The user's own means and deviations.
+    """
+
+    name: str
+    size: float
+    centre: float
+    tau: float | None = None
+    stated: StatedPrior | None = None
+
+    def __post_init__(self) -> None:
+        if self.name not in ("field", "stated", "flat"):
+            raise InputError(f"prior must be field, stated or flat, not {self.name!r}")
+        if self.name == "stated" and self.stated is None:
+            raise InputError(
+                "no prior is stated for this axis; add [prior.r] and [prior.c] to the setup file"
+            )
+        if self.tau is not None:
+            if self.name != "field":
+                raise InputError(f"tau belongs to the field prior; the prior here is {self.name}")
+            if not (math.isfinite(self.tau) and self.tau > 0):
+                raise InputError(f"tau must be a positive number, not {self.tau:g}")
+
+    def of_order(self, order: int) -> CoefficientPrior:
+        """Prior of the amplitudes of one order.
+
+        Raises
+        ------
+        InputError
+            Where a stated prior does not reach the order.
+        """
+        size = order + 1
+        none = np.zeros(size, dtype=bool)
+        if self.name == "flat":
+            return CoefficientPrior(
+                "flat", frozen(np.zeros(size)), frozen(np.full(size, np.inf)), none, self.size
+            )
+        if self.stated is not None and self.name == "stated":
+            if len(self.stated.mean) < size:
+                raise InputError(
+                    f"the stated prior has {len(self.stated.mean)} entries but order {order} has "
+                    f"{size} coefficients; state one for each"
+                )
+            return CoefficientPrior(
+                "stated",
+                frozen(self.stated.mean[:size]),
+                frozen(self.stated.sd[:size]),
+                none,
+                self.size,
+            )
+        mean = np.zeros(size)
+        mean[0] = self.centre
+        sd = np.full(size, self.size)
+        sd[:2] = self.size / 2
+        return CoefficientPrior(
+            "field", frozen(mean), frozen(sd), np.arange(size) >= 2, self.size, self.tau
+        )

@@ -1,0 +1,30 @@
+"""The data sets that come with bayescal."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.reader import load
+
+
+def data_folder() -> Path:
+    """Folder of the bundled data: inside the package, or beside it in a checkout."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "data"
+    return inside if inside.is_dir() else package.parent / "data"
+
+
+def thesis() -> Correspondences:
+    """Load the 57 correspondences of the thesis's Appendix A.
+
+    Returns
+    -------
+    Correspondences
+        World units are the appendix's (S = 150 multiplied out); camera position
+        (330, 57, 0), image 1920 (assumed) by 1080 px, c counted from the bottom.
+    """
+    folder = data_folder() / "thesis"
+    points = load(folder / "points.csv", folder / "setup.toml")
+    return dataclasses.replace(points, source="thesis")

@@ -1,0 +1,146 @@
+"""World points and their measured pixels."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from bayescal.arrays import Array, ArrayLike, frozen
+from bayescal.errors import InputError
+from bayescal.points.setup import Setup
+
+# Squares of numbers beyond this overflow a double somewhere downstream; no
+# world coordinate or pixel is that large in any unit.
+LARGEST = 1e100
+
+
+@dataclass(frozen=True, eq=False)
+class Correspondences:
+    """World points whose pixels were measured, with what is known of the camera.
+
+    Attributes
+    ----------
+    world : Array
+        World coordinates x, y, z, ``(n_points, 3)``, in world units.
+    pixels : Array
+        Measured pixels r, c as recorded (c counted from the top unless the
+        recording says otherwise), ``(n_points, 2)``, px.
+    labels : tuple of str
+        A name per point; "1", "2", ... where none was given.
+    groups : tuple of str or None
+        Which points share a cause of error.
+    sigma : dict of str to Array
+        Known standard deviations by axis ("r", "c"), ``(n_points,)``, px.
+    setup : Setup
+        Camera position, image size, direction of c, stated priors.
+    source : str
+        Where the points came from.
+    lines : tuple of int or None
+        The file's line of each point.
+    sha256 : str
+        Hash of the file's bytes, or of the numbers where there was no file.
+    """
+
+    world: Array
+    pixels: Array
+    labels: tuple[str, ...]
+    groups: tuple[str, ...] | None = None
+    sigma: dict[str, Array] = field(default_factory=dict)
+    setup: Setup = field(default_factory=Setup)
+    source: str = "arrays"
+    lines: tuple[int, ...] | None = None
+    sha256: str = ""
+
+    @classmethod
+    def from_arrays(
+        cls,
+        world: ArrayLike,
+        pixels: ArrayLike,
+        *,
+        labels: tuple[str, ...] | None = None,
+        groups: tuple[str, ...] | None = None,
+        sigma_r: ArrayLike | None = None,
+        sigma_c: ArrayLike | None = None,
+        setup: Setup | None = None,
+    ) -> Correspondences:
+        """Build correspondences from arrays.
+
+        Parameters
+        ----------
+        world : array_like
+            x, y, z, ``(n_points, 3)``, world units.
+        pixels : array_like
+            r, c as measured, ``(n_points, 2)``, px.
+        labels, groups : tuple of str, optional
+            A name and a group per point.
+        sigma_r, sigma_c : array_like, optional
+            Known standard deviations, ``(n_points,)``, px.
+        setup : Setup, optional
+            What is known of the camera; by default it stands at the origin and
+            the image size is unknown.
+
+        Raises
+        ------
+        InputError
+            Where shapes disagree or a number is not finite.
+        """
+        w, p = frozen(world), frozen(pixels)
+        if w.ndim != 2 or w.shape[1] != 3:
+            raise InputError(f"world must have shape (n_points, 3), not {w.shape}")
+        n = len(w)
+        if p.shape != (n, 2):
+            raise InputError(f"pixels must have shape ({n}, 2) like world, not {p.shape}")
+        sigma = {a: frozen(s) for a, s in (("r", sigma_r), ("c", sigma_c)) if s is not None}
+        names = one_line(labels) if labels is not None else ("",) * n
+        names = tuple(name or str(i) for i, name in enumerate(names, 1))
+        groups = one_line(groups) if groups is not None else None
+        for what, values in [("labels", names), ("groups", groups), *sigma.items()]:
+            if values is not None and len(values) != n:
+                raise InputError(f"{what} has {len(values)} entries for {n} points")
+        for what, array in [("world", w), ("pixels", p)]:
+            if not (np.abs(array) < LARGEST).all():
+                raise InputError(f"{what} holds a number that is NaN, infinite or above {LARGEST}")
+        for axis, sd in sigma.items():
+            if not ((sd > 0) & (sd < LARGEST)).all():
+                raise InputError(f"sigma_{axis} must be positive and finite")
+        digest = hashlib.sha256()
+        for array in (w, p, *(sigma[a] for a in sorted(sigma))):
+            digest.update(array.tobytes())
+        return cls(w, p, names, groups, sigma, setup or Setup(), sha256=digest.hexdigest())
+
+    def __len__(self) -> int:
+        return len(self.world)
+
+    def camera_frame(self) -> Array:
+        """World points less the camera position, ``(n_points, 3)``, world units."""
+        return self.world - frozen(self.setup.position)
+
+    def pixel(self, axis: str) -> Array:
+        """Pixels of one axis, ``(n_points,)``, px; c counted as the setup says.
+
+        ``c = height - row`` where the setup counts c from the bottom (Appendix B
+        of the thesis).
+        """
+        if axis == "r":
+            return self.pixels[:, 0]
+        c = self.pixels[:, 1]
+        if self.setup.c_from_bottom:
+            assert self.setup.height is not None, "Setup refuses c_from_bottom without a height"
+            return self.setup.height - c
+        return c
+
+    def place(self, index: int) -> str:
+        """Where point `index` (from 0) is, for a message: file and line, or its label."""
+        if self.lines is not None:
+            return f"{self.source}:{self.lines[index]}"
+        return f"{self.source}, point {self.labels[index]}"
+
+    def __repr__(self) -> str:
+        return f"<Correspondences: {len(self)} points from {self.source}, {self.setup}>"
+
+
+def one_line(texts: tuple[str, ...]) -> tuple[str, ...]:
+    """Fold the white space of labels, so that each stays on its line in print."""
+    return tuple(" ".join(text.split()) for text in texts)

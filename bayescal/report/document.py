@@ -1,0 +1,232 @@
+"""The result document: one JSON object, as described in docs/result.md."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+from datetime import UTC, datetime
+from importlib.metadata import version
+from importlib.resources import files
+from typing import Any
+
+import bayescal
+from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
+from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary
+from bayescal.models.priors import TAU_BOUNDS, PriorRule
+
+SCHEMA = "bayescal.comparison/1"
+PACKAGES = ("emcee", "numpy", "scipy", "arviz")
+
+
+def document(comparison: Comparison, command: str) -> dict[str, Any]:
+    """Build the result document of a comparison.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    command : str
+        How it was asked for, for the provenance.
+
+    Returns
+    -------
+    dict
+        JSON values only: what can't be had is None, never NaN.
+    """
+    axes = {name: _axis(axis) for name, axis in comparison.axes.items()}
+    return {
+        "schema": SCHEMA,
+        "provenance": {
+            "bayescal": bayescal.__version__,
+            "python": platform.python_version(),
+            **{name: version(name) for name in PACKAGES},
+            "command": command,
+            "seed": comparison.seed,
+            "ess": comparison.ess,
+            "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        },
+        "data": _data(comparison),
+        "family": comparison.family,
+        "axes": axes,
+        "verdict": {
+            "orders": comparison.orders,
+            "text": " ".join(f"{n}: {a.verdict.text}" for n, a in comparison.axes.items()),
+        },
+        "notes": list(comparison.notes),
+    }
+
+
+def dumps(found: dict[str, Any]) -> str:
+    """Format a result document as JSON text; refuses NaN."""
+    return json.dumps(found, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema of the result document."""
+    text = files("bayescal.report").joinpath("result.schema.json").read_text(encoding="utf-8")
+    loaded: dict[str, Any] = json.loads(text)
+    return loaded
+
+
+def _data(comparison: Comparison) -> dict[str, Any]:
+    points = comparison.points
+    if points is None:
+        n = len(next(iter(comparison.axes.values())).data)
+        return {
+            "source": "arrays",
+            "sha256": None,
+            "n_points": n,
+            "image": {"width_px": None, "height_px": None},
+            "camera_position": None,
+        }
+    setup = points.setup
+    return {
+        "source": points.source,
+        "sha256": points.sha256,
+        "n_points": len(points),
+        "image": {"width_px": setup.width, "height_px": setup.height},
+        "camera_position": list(setup.position),
+        "c_from_bottom": setup.c_from_bottom,
+        "assumed": list(setup.assumed),
+    }
+
+
+def _axis(axis: AxisComparison) -> dict[str, Any]:
+    verdict, noise, reference = axis.verdict, axis.noise, axis.reference
+    domain = axis.data.domain
+    per_point = axis.data.sd is not None
+    return {
+        "regressor": axis.data.regressor,
+        "n": len(axis.data),
+        "domain": [domain.lower, domain.upper],
+        "noise": {
+            "kind": "gaussian",
+            "sigma": noise.source,
+            "sigma_px": None if per_point else noise.value,
+            "per_point": per_point,
+            "sigma_bounds_px": None if noise.bounds is None else list(noise.bounds),
+            "reference_sigma_px": None if per_point else reference.value,
+            "reference": reference.source,
+            "reference_dof": reference.dof,
+            "scatter_px": axis.scatter.sigma,
+            "scatter_dof": axis.scatter.dof,
+        },
+        "prior": _prior(axis.prior, axis.orders[-1].order),
+        "orders": [_order(result, axis) for result in axis.orders],
+        "verdict": {
+            "order": verdict.order,
+            "plausible": list(verdict.plausible),
+            "decided": verdict.decided,
+            "log_bayes_factor_to_next": verdict.log_bayes_factor_to_next,
+            "strength": verdict.strength,
+            "aicc_order": verdict.aicc_order,
+            "bic_order": verdict.bic_order,
+            "caveats": list(verdict.caveats),
+            "text": verdict.text,
+        },
+    }
+
+
+def _prior(rule: PriorRule, order: int) -> dict[str, Any]:
+    prior = rule.of_order(order)
+    tau: dict[str, Any] | None = None
+    if rule.name == "field":
+        inferred = {"kind": "log-uniform", "bounds": list(TAU_BOUNDS)}
+        tau = inferred if rule.tau is None else {"kind": "fixed", "value": rule.tau}
+    flat = not prior.proper
+    return {
+        "name": rule.name,
+        "basis": "legendre",
+        "size_px": rule.size,
+        "mean_px": None if flat else prior.mean.tolist(),
+        "sd_px": None
+        if flat
+        else [
+            None if scaled else sd
+            for scaled, sd in zip(prior.scaled, prior.sd.tolist(), strict=True)
+        ],
+        "tau": tau,
+    }
+
+
+def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
+    fit, good, found = result.fit, result.goodness, result.criteria
+    exact = result.posterior.exact
+    size = fit.order + 1
+    by_name = {p.name: p for p in result.posterior.parameters}
+    chain = result.posterior.chain
+    chains, draws, _ = chain.draws.shape
+    best = {
+        name: min((getattr(r.criteria, name) for r in axis.orders), key=_none_last)
+        for name in ("aic", "aicc", "bic")
+    }
+    coefficients = []
+    for j, summary in enumerate(result.posterior.parameters[:size]):
+        errors = fit.standard_errors
+        coefficients.append(
+            {
+                "name": summary.name,
+                "mle": float(fit.coefficients[j]),
+                "mle_se": None if errors is None else float(errors[j]),
+                **_summary(summary),
+            }
+        )
+    return {
+        "order": result.order,
+        "n_coefficients": size,
+        "n_parameters": found.n_parameters,
+        "rss_px2": result.rss_px2,
+        "sigma_hat_px": math.sqrt(result.rss_px2 / fit.dof) if fit.dof > 0 else None,
+        "chi2": good.chi2,
+        "dof": good.dof,
+        "chi2_reduced": good.chi2_reduced,
+        "chi2_reduced_sd": good.chi2_reduced_sd,
+        "p_value": good.p_value,
+        "p_value_lower": good.p_value_lower,
+        "f_p_value": good.f_p_value,
+        "log_likelihood_max": found.log_likelihood,
+        "aic": found.aic,
+        "aicc": found.aicc,
+        "bic": found.bic,
+        **{f"delta_{n}": _difference(getattr(found, n), best[n]) for n in ("aic", "aicc", "bic")},
+        "log_evidence": exact.log_evidence,
+        "log_evidence_error": exact.log_evidence_error,
+        "probability": result.probability,
+        "exact_fit": fit.exact,
+        "coefficients": coefficients,
+        "sigma": _summary(by_name["sigma"]) if "sigma" in by_name else None,
+        "tau": _summary(by_name["tau"]) if "tau" in by_name else None,
+        "sampling": {
+            "sampler": "emcee",
+            "walkers": chains,
+            "steps": draws,
+            "draws": chains * draws,
+            "acceptance": chain.acceptance,
+            "autocorrelation_time": chain.autocorrelation_time,
+            "converged": result.posterior.converged,
+            "agrees_with_exact": result.posterior.agrees_with_exact,
+        },
+    }
+
+
+def _summary(p: ParameterSummary) -> dict[str, Any]:
+    return {
+        "mean": p.mean,
+        "sd": p.sd,
+        "interval": list(p.interval),
+        "interval_probability": INTERVAL_PROBABILITY,
+        "mcse_mean": p.mcse_mean,
+        "ess_bulk": p.ess_bulk,
+        "ess_tail": p.ess_tail,
+        "rhat": p.rhat,
+        "exact_mean": p.exact_mean,
+        "exact_sd": p.exact_sd,
+    }
+
+
+def _none_last(value: float | None) -> tuple[bool, float]:
+    return value is None, 0.0 if value is None else value
+
+
+def _difference(value: float | None, best: float | None) -> float | None:
+    return None if value is None or best is None else value - best

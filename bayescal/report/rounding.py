@@ -1,0 +1,34 @@
+"""Numbers as people should read them: no digit that the uncertainty denies."""
+
+from __future__ import annotations
+
+import math
+
+
+def decimals_for(uncertainty: float, digits: int = 2) -> int:
+    """Decimal places that show an uncertainty with so many significant digits.
+
+    At most two are useful in an uncertainty (JCGM 100:2008, 7.2.6). Negative where
+    the last of them stands left of the decimal point.
+    """
+    if not (uncertainty > 0 and math.isfinite(uncertainty)):
+        return 3
+    return digits - 1 - math.floor(math.log10(float(f"{uncertainty:.{digits - 1}e}")))
+
+
+def rounded(value: float, uncertainty: float) -> str:
+    """Format a value to the decimal place of its two-digit uncertainty."""
+    places = decimals_for(uncertainty)
+    if not -6 <= places <= 8:
+        return f"{value:.4g}"
+    return f"{round(value, places):.{max(places, 0)}f}"
+
+
+def significant(value: float, digits: int = 2) -> str:
+    """Format a positive number with so many significant digits, without an exponent."""
+    if value == 0 or not math.isfinite(value):
+        return f"{value:g}"
+    places = decimals_for(abs(value), digits)
+    if not -6 <= places <= 8:
+        return f"{value:.{digits - 1}e}"
+    return f"{round(value, places):.{max(places, 0)}f}"

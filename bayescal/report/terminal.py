@@ -1,0 +1,183 @@
+"""What the commands print: tables with the words that explain them, 100 columns wide."""
+
+from __future__ import annotations
+
+import io
+
+from rich.console import Console, Group, RenderableType
+from rich.padding import Padding
+from rich.text import Text
+
+from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.models.priors import TAU_BOUNDS
+from bayescal.report.rounding import significant
+from bayescal.report.tables import coefficients_table, exact_table, facts, orders_table
+
+WIDTH = 100
+
+
+def render(view: RenderableType, *, terminal: bool) -> str:
+    """Render a view as text, 100 columns wide, without trailing blanks.
+
+    Parameters
+    ----------
+    view : rich.console.RenderableType
+    terminal : bool
+        Whether to use bold type.
+    """
+    console = Console(
+        width=WIDTH,
+        highlight=False,
+        force_terminal=terminal,
+        file=io.StringIO(),
+        legacy_windows=False,
+    )
+    with console.capture() as captured:
+        console.print(view)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
+
+
+def comparison_view(comparison: Comparison) -> RenderableType:
+    """Everything that ``compare`` prints."""
+    parts: list[RenderableType] = [header(comparison)]
+    for axis in comparison.axes.values():
+        parts += [axis_title(axis), orders_table(axis), *_footnotes(axis), verdict_view(axis)]
+        parts += [coefficients_table(axis, axis.chosen), Text("")]
+    parts.append(sampling_line(comparison))
+    return Group(*parts)
+
+
+def fit_view(comparison: Comparison) -> RenderableType:
+    """Everything that ``fit`` prints: each axis's one order in full."""
+    parts: list[RenderableType] = [header(comparison)]
+    for axis in comparison.axes.values():
+        result = axis.orders[0]
+        parts += [axis_title(axis), facts(axis, result), *_caveats(axis)]
+        parts += [coefficients_table(axis, result), exact_table(axis, result), Text("")]
+    parts.append(sampling_line(comparison))
+    return Group(*parts)
+
+
+def header(comparison: Comparison) -> RenderableType:
+    """Say what was analysed, under which assumptions."""
+    lines = []
+    points = comparison.points
+    if points is not None:
+        x, y, z = points.setup.position
+        size = " x ".join(
+            "?" if s is None else f"{s:g}" for s in (points.setup.width, points.setup.height)
+        )
+        end = "bottom (c = height - row)" if points.setup.c_from_bottom else "top"
+        lines.append(f"{len(points)} points from {points.source}, {comparison.family} family")
+        lines.append(f"camera at ({x:g}, {y:g}, {z:g}), image {size} px, c counted from the {end}")
+    lines += [f"note: {note}" for note in comparison.notes]
+    return Text("\n".join(lines) + "\n")
+
+
+def axis_title(axis: AxisComparison) -> RenderableType:
+    """Say what the axis is, and under which noise level and prior."""
+    data, domain = axis.data, axis.data.domain
+    text = Text(f"{data.axis} = polynomial of {data.regressor}", style="bold")
+    text.append(
+        f", {data.regressor} from {domain.lower:.3g} to {domain.upper:.3g}", style="not bold"
+    )
+    return Group(text, Text(f"  noise: {_noise_words(axis)}\n  prior: {_prior_words(axis)}"))
+
+
+def _noise_words(axis: AxisComparison) -> str:
+    words = f"Gaussian, sigma {axis.noise_source}"
+    if axis.noise.bounds is not None:
+        lower, upper = axis.noise.bounds
+        words += f" (ln sigma uniform from {lower:.4g} to {upper:.4g} px)"
+    return words
+
+
+def _prior_words(axis: AxisComparison) -> str:
+    rule = axis.prior
+    if rule.name == "flat":
+        return "flat; improper, so that there is no evidence and no probability of an order"
+    if rule.name == "stated":
+        return "stated in the setup: a normal for each Legendre amplitude"
+    half = f"{rule.size / 2:g}"
+    tau = (
+        f"= {rule.tau:g}"
+        if rule.tau is not None
+        else "inferred, log-uniform {:g} to {:g}".format(*TAU_BOUNDS)
+    )
+    return (
+        f"field; b0 ~ N({rule.centre:g}, {half}), b1 ~ N(0, {half}), bj ~ N(0, tau * "
+        f"{rule.size:g}) px;\n         tau {tau}"
+    )
+
+
+def _footnotes(axis: AxisComparison) -> list[RenderableType]:
+    reference, lines = axis.reference, []
+    if axis.data.sd is not None:
+        lines.append("chi2 uses the points' own deviations; p chi2 is its upper tail.")
+    elif reference.source == "known":
+        lines.append(
+            f"chi2 uses the known sigma, {reference.value:g} px; p chi2 is its upper tail."
+        )
+    elif reference.value is not None:
+        highest = axis.orders[-1].order
+        lines.append(
+            f"chi2 uses sigma = {significant(reference.value, 3)} px, the residuals' own at "
+            f"order {highest} ({reference.dof} dof): it is relative to that order and tests "
+            "nothing by itself."
+        )
+        if len(axis.orders) > 1:
+            lines.append(f"p F: F test of the dropped orders against order {highest}.")
+    else:
+        lines.append(
+            f"chi2 is blank: sigma is not known and order {axis.orders[-1].order} leaves no "
+            "residual to take it from."
+        )
+    best = [
+        f"{name} {min(values):.2f}"
+        for name, key in (("AIC", "aic"), ("AICc", "aicc"), ("BIC", "bic"))
+        if (values := [v for r in axis.orders if (v := getattr(r.criteria, key)) is not None])
+    ]
+    if best:
+        lines.append(f"Smallest {', '.join(best)}; dAIC, dAICc, dBIC are above these.")
+    if axis.scatter.sigma is not None:
+        lines.append(
+            f"Points that share {axis.data.regressor} scatter by {axis.scatter.sigma:.2f} px "
+            f"({axis.scatter.dof} dof): noise plus what {axis.data.regressor} does not explain."
+        )
+    return [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
+
+
+def verdict_view(axis: AxisComparison) -> RenderableType:
+    """Say the verdict in words, with its caveats."""
+    text = Text(f"Verdict on {axis.data.axis}: ", style="bold")
+    text.append(axis.verdict.text)
+    return Group(Text(""), Padding(text, (0, 0, 0, 2)), *_caveats(axis))
+
+
+def _caveats(axis: AxisComparison) -> list[RenderableType]:
+    return [Padding(Text(f"caveat: {c}."), (0, 0, 0, 2)) for c in axis.verdict.caveats]
+
+
+def sampling_line(comparison: Comparison) -> RenderableType:
+    """Whether the draws can be trusted, for all models at once."""
+    results = [r for axis in comparison.axes.values() for r in axis.orders]
+    chains = [r.posterior.chain for r in results]
+    parameters = [p for r in results for p in r.posterior.parameters]
+    ess = min(min(p.ess_bulk, p.ess_tail) for p in parameters)
+    text = (
+        f"emcee, {len(results)} model{'s' * (len(results) > 1)}, seed {comparison.seed}: "
+        f"acceptance at least {min(c.acceptance for c in chains):.2f}, autocorrelation time at "
+        f"most {max(c.autocorrelation_time for c in chains):.2f} steps, ESS at least {ess:.0f}, "
+        f"R-hat at most {max(p.rhat for p in parameters):.3f}; means and sds within "
+        f"{max(p.deviation for p in parameters):.1f} Monte Carlo errors of the closed form "
+        "(limit 5)."
+    )
+    if comparison.sound:
+        return Text(text)
+    return Group(
+        Text(text),
+        Text(
+            "NOT SOUND: some draws did not converge or disagree with the closed form; see above.",
+            style="bold",
+        ),
+    )
