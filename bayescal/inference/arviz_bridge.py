@@ -9,6 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from bayescal.arrays import Array
 
 
@@ -43,6 +45,24 @@ def diagnose(draws: Array) -> Diagnostics:
         ess("mean"),
         ess("sd"),
     )
+
+
+def autocovariance(draws: Array) -> Array:
+    """Autocovariance of each chain at every lag.
+
+    Parameters
+    ----------
+    draws : Array
+        ``(n_chains, n_draws)``.
+
+    Returns
+    -------
+    Array
+        ``(n_chains, n_draws)``.
+    """
+    from arviz_stats.base import array_stats
+
+    return np.asarray(array_stats.autocov(draws, axis=1))
 
 
 def write_netcdf(

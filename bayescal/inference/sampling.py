@@ -8,15 +8,17 @@ from dataclasses import dataclass
 
 import emcee
 import numpy as np
-from emcee.autocorr import integrated_time
+from emcee.autocorr import auto_window
 
 from bayescal.arrays import Array
-from bayescal.inference.arviz_bridge import Diagnostics, diagnose
+from bayescal.inference.arviz_bridge import Diagnostics, autocovariance, diagnose
 from bayescal.inference.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposal import Proposal
 
-WALKERS = 80
+WALKERS = 64
+MIN_STEPS = 66
+SPARE = 1.2  # draws per effective sample wanted; independence sampling needs about 1.05
 BURN_IN = 10  # steps; the walkers start from the proposal, which is nearly the posterior
 RHAT_LIMIT = 1.01
 TAU_STEPS = 50  # autocorrelation times that a chain must be long (emcee's rule)
@@ -98,7 +100,7 @@ def sample(
     )
     # emcee chooses among its moves with a legacy generator; one move leaves no choice.
     state = sampler.run_mcmc(start, BURN_IN, store=False)
-    steps = max(TAU_STEPS + 14, math.ceil(1.12 * ess / WALKERS))
+    steps = max(MIN_STEPS, math.ceil(SPARE * ess / WALKERS))
     for extension in range(MAX_EXTENSIONS + 1):
         state = sampler.run_mcmc(state, steps)
         chain = _collect(sampler, whitening, report, ess)
@@ -118,8 +120,7 @@ def _collect(
     theta = whitening.theta(u.swapaxes(0, 1))
     draws = report(theta.reshape(-1, theta.shape[2])).reshape(*theta.shape[:2], -1)
     diagnostics = tuple(diagnose(draws[:, :, j]) for j in range(draws.shape[2]))
-    times = integrated_time(draws.swapaxes(0, 1), quiet=True)
-    time = float(np.max(times))
+    time = max(autocorrelation_time(draws[:, :, j]) for j in range(draws.shape[2]))
     enough = min(min(d.ess_bulk, d.ess_tail) for d in diagnostics) >= ess
     mixed = max(d.rhat for d in diagnostics) < RHAT_LIMIT
     return Chain(
@@ -131,3 +132,26 @@ def _collect(
         time,
         bool(enough and mixed and draws.shape[1] > TAU_STEPS * time),
     )
+
+
+def autocorrelation_time(chains: Array) -> float:
+    """Integrated autocorrelation time, as ``emcee.autocorr.integrated_time`` defines it.
+
+    That function goes through the walkers one by one; taking them together saves a
+    tenth of a whole comparison.
+
+    Parameters
+    ----------
+    chains : Array
+        One parameter, ``(n_chains, n_draws)``.
+
+    Returns
+    -------
+    float
+        Steps; nan where a chain never moved.
+    """
+    covariance = autocovariance(chains)
+    with np.errstate(invalid="ignore"):
+        correlation = (covariance / covariance[:, :1]).mean(axis=0)
+    times = 2 * np.cumsum(correlation) - 1
+    return float(times[auto_window(times, 5.0)])

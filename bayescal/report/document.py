@@ -202,7 +202,7 @@ def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
             "steps": draws,
             "draws": chains * draws,
             "acceptance": chain.acceptance,
-            "autocorrelation_time": chain.autocorrelation_time,
+            "autocorrelation_time": _finite(chain.autocorrelation_time),
             "converged": result.posterior.converged,
             "agrees_with_exact": result.posterior.agrees_with_exact,
         },
@@ -215,13 +215,18 @@ def _summary(p: ParameterSummary) -> dict[str, Any]:
         "sd": p.sd,
         "interval": list(p.interval),
         "interval_probability": INTERVAL_PROBABILITY,
-        "mcse_mean": p.mcse_mean,
-        "ess_bulk": p.ess_bulk,
-        "ess_tail": p.ess_tail,
-        "rhat": p.rhat,
+        "mcse_mean": _finite(p.mcse_mean),
+        "ess_bulk": _finite(p.ess_bulk),
+        "ess_tail": _finite(p.ess_tail),
+        "rhat": _finite(p.rhat),
         "exact_mean": p.exact_mean,
         "exact_sd": p.exact_sd,
     }
+
+
+def _finite(value: float) -> float | None:
+    """Turn a diagnostic that could not be computed into null."""
+    return value if math.isfinite(value) else None
 
 
 def _none_last(value: float | None) -> tuple[bool, float]:

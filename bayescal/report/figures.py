@@ -28,7 +28,9 @@ def corner_plot(axis: AxisComparison, result: OrderResult) -> Figure:
     """
     posterior = result.posterior
     draws = posterior.chain.draws
-    flat = draws.reshape(-1, draws.shape[2])
+    flat = draws.reshape(-1, draws.shape[2]).copy()
+    if posterior.names[-1] == "tau":  # spans decades
+        flat[:, -1] = np.log10(flat[:, -1])
     size = flat.shape[1]
     side = 1.9 * size + 1.2
     figure = Figure(figsize=(side, side), layout=None)
@@ -72,7 +74,7 @@ def corner_plot(axis: AxisComparison, result: OrderResult) -> Figure:
 
 def _label(name: str) -> str:
     if name == "tau":
-        return r"$\tau$"
+        return r"$\log_{10}\,\tau$"
     stem, _, index = name.partition("_")
     symbol = rf"$\{stem}_{{{index}}}$" if index else rf"$\{stem}$"
     return f"{symbol} [px]"

@@ -1,0 +1,47 @@
+"""``bayescal compare``: which polynomial order."""
+
+from __future__ import annotations
+
+import argparse
+
+from bayescal.commands import options as shared
+from bayescal.commands.output import add_output, check_output, deliver
+
+HELP = "compare polynomial orders"
+DESCRIPTION = "Compare polynomial orders of r(x/z) and c(y/z), each sampled with emcee."
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "--orders",
+        type=shared.orders,
+        default="1-5",
+        metavar="K-L",
+        help="such as 1-5 or 1,3,5 (1-5)",
+    )
+    parser.add_argument(
+        "--axis", choices=("r", "c", "both"), default="both", help="which pixel axis (both)"
+    )
+    shared.add_points(parser)
+    shared.add_model(parser)
+    add_output(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compare, print and write; return the exit code."""
+    from bayescal.api import compare
+    from bayescal.report.terminal import comparison_view
+
+    check_output(options)
+    points = shared.points(options)
+    models = len(options.orders) * (2 if options.axis == "both" else 1)
+    with shared.Progress(options, models) as progress:
+        result = compare(
+            points,
+            options.orders,
+            axis=options.axis,
+            progress=progress,
+            **shared.settings(options),
+        )
+    return deliver(options, result, comparison_view)

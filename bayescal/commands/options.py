@@ -1,0 +1,149 @@
+"""Options that commands share, and what is made of them."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import sys
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bayescal.points.correspondences import Correspondences
+
+
+def add_points(parser: argparse.ArgumentParser) -> None:
+    """Add the points file and what is known of the camera."""
+    parser.add_argument(
+        "points",
+        nargs="?",
+        metavar="POINTS",
+        help="CSV or TSV with columns x,y,z,r,c and optionally label, group, sigma_r, sigma_c; "
+        "- reads standard input; by default the bundled thesis data",
+    )
+    camera = parser.add_argument_group("camera")
+    camera.add_argument("--setup", metavar="FILE.toml", help="camera position, image size, priors")
+    camera.add_argument(
+        "--camera-position",
+        nargs=3,
+        type=float,
+        metavar=("X", "Y", "Z"),
+        help="world units (0 0 0)",
+    )
+    camera.add_argument("--image-width", type=float, metavar="PX", help="image width, px")
+    camera.add_argument("--image-height", type=float, metavar="PX", help="image height, px")
+    camera.add_argument(
+        "--c-from-bottom",
+        action=argparse.BooleanOptionalAction,
+        help="count c from the bottom: c = height - row",
+    )
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """Add noise level, prior, seed and sampling effort."""
+    model = parser.add_argument_group("model")
+    model.add_argument(
+        "--sigma",
+        type=sigma,
+        metavar="inferred|PX",
+        help="noise level: inferred from the residuals, or known, px (the file's sigma_r, sigma_c "
+        "where it has them, else inferred)",
+    )
+    model.add_argument(
+        "--prior",
+        choices=("field", "flat", "stated"),
+        help="of the coefficients (the setup's where it states one, else field)",
+    )
+    model.add_argument(
+        "--tau",
+        type=float,
+        metavar="T",
+        help="fix the strength of the non-linearity, a fraction of the image (inferred)",
+    )
+    run = parser.add_argument_group("run")
+    run.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
+    run.add_argument(
+        "--ess", type=int, default=4000, metavar="N", help="effective samples wanted (4000)"
+    )
+
+
+def orders(text: str) -> list[int]:
+    """Parse orders such as 1-5 or 1,3,5."""
+    found: set[int] = set()
+    for part in text.split(","):
+        first, dash, last = part.strip().partition("-")
+        ends = [first, last] if dash else [first]
+        if not all(end.isascii() and end.isdigit() for end in ends):
+            raise argparse.ArgumentTypeError(
+                f"{text!r} is not a list of orders such as 1-5 or 1,3,5"
+            )
+        low, high = int(ends[0][:9]), int(ends[-1][:9])
+        if high < low:
+            raise argparse.ArgumentTypeError(f"{part.strip()!r} runs backwards; write {high}-{low}")
+        found.update(range(low, min(high, low + 1000) + 1))
+    return sorted(found)
+
+
+def sigma(text: str) -> float | str:
+    """Parse a noise level: a number of px or a word."""
+    if text == "inferred":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is neither 'inferred' nor a number of px"
+        ) from None
+
+
+def points(options: argparse.Namespace) -> Correspondences:
+    """Read the points that the options name, with the camera they state."""
+    from bayescal.points.bundled import thesis
+    from bayescal.points.reader import load
+    from bayescal.points.setup import load_setup
+
+    setup = load_setup(options.setup) if options.setup is not None else None
+    found = thesis() if options.points is None else load(options.points)
+    base = setup if setup is not None else found.setup
+    flags: dict[str, Any] = {
+        "position": tuple(options.camera_position) if options.camera_position else None,
+        "width": options.image_width,
+        "height": options.image_height,
+        "c_from_bottom": options.c_from_bottom,
+    }
+    changes = {name: value for name, value in flags.items() if value is not None}
+    if changes:
+        assumed = tuple(name for name in base.assumed if name not in changes)
+        base = dataclasses.replace(base, **changes, assumed=assumed)
+    return dataclasses.replace(found, setup=base)
+
+
+def settings(options: argparse.Namespace) -> dict[str, Any]:
+    """Collect the keyword arguments of an analysis."""
+    return {name: getattr(options, name) for name in ("sigma", "prior", "tau", "seed", "ess")}
+
+
+class Progress:
+    """A progress bar on a terminal, once a second has passed."""
+
+    def __init__(self, options: argparse.Namespace, total: int) -> None:
+        shown = options.progress
+        if shown is None:
+            shown = sys.stderr.isatty() and not options.quiet
+        self._bar: Any = None
+        if shown:
+            from tqdm import tqdm
+
+            self._bar = tqdm(total=total, unit="model", delay=1, leave=False, file=sys.stderr)
+
+    def __call__(self, axis: str, order: int) -> None:
+        """Count one model more, now being sampled."""
+        if self._bar is not None:
+            self._bar.set_description(f"sampling {axis}, order {order}", refresh=False)
+            self._bar.update()
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar is not None:
+            self._bar.close()
