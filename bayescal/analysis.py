@@ -10,8 +10,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
+from bayescal.comparison.argument import argue
 from bayescal.comparison.caveats import caveats, notes
 from bayescal.comparison.criteria import criteria
+from bayescal.comparison.defence import Groups, defend
 from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.goodness import goodness_of_fit, reference_sigma, scatter
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
@@ -51,6 +53,8 @@ class Settings:
     seed : int
     ess : int
         Effective samples wanted of every parameter.
+    defend : bool
+        Whether to answer a referee's questions too.
     """
 
     sigma: float | str | None = None
@@ -58,6 +62,7 @@ class Settings:
     tau: float | None = None
     seed: int = 0
     ess: int = DEFAULT_ESS
+    defend: bool = False
 
     def __post_init__(self) -> None:
         if isinstance(self.sigma, str) and self.sigma != "inferred":
@@ -109,6 +114,7 @@ def analyse_points(
     data = {axis: separable.axis_data(points, axis) for axis in orders}
     for axis, wanted in orders.items():
         data[axis].check(wanted[-1])  # refuse before anything is sampled
+    groups = _groups(points)
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
         axes = {
@@ -118,6 +124,7 @@ def analyse_points(
                 wanted,
                 settings,
                 points.setup.priors.get(axis),
+                groups,
                 progress,
             )
             for axis, wanted in orders.items()
@@ -142,7 +149,7 @@ def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) ->
         With the single axis ``"y"``.
     """
     with threadpool_limits(1):
-        result = _compare_axis(data, 0, orders, settings, None, None)
+        result = _compare_axis(data, 0, orders, settings, None, None, None)
     assumed = (f"y: its span, {data.size:.6g}, stands for the image size in the prior",)
     return Comparison({"y": result}, "polynomial", None, settings.seed, settings.ess, assumed)
 
@@ -153,6 +160,7 @@ def _compare_axis(
     orders: Sequence[int],
     settings: Settings,
     stated: StatedPrior | None,
+    groups: Groups | None,
     progress: Progress | None,
 ) -> AxisComparison:
     data, noise, noise_source = _noise(data, settings)
@@ -161,14 +169,14 @@ def _compare_axis(
     priors = {k: rule.of_order(k) for k in orders}  # refuses a stated prior that is too short
     fits = {k: solve(factors, k, noise.value) for k in orders}
     reference = reference_sigma(noise, fits[orders[-1]])
+    models = {k: LinearModel(factors, k, noise, priors[k], data.symbol) for k in orders}
     posteriors: dict[int, Posterior] = {}
     for k in orders:
         if progress is not None:
             progress(data.axis, k)
         # Keyed by axis and order, so that the other orders compared change no draw.
         seed = np.random.SeedSequence(settings.seed, spawn_key=(key, k))
-        model = LinearModel(factors, k, noise, priors[k], data.symbol)
-        posteriors[k] = sample_posterior(model, np.random.default_rng(seed), settings.ess)
+        posteriors[k] = sample_posterior(models[k], np.random.default_rng(seed), settings.ess)
     chances, evidences = _probabilities(posteriors)
     found = {k: criteria(fits[k], noise, factors.n, factors.log_sd) for k in orders}
     results = tuple(
@@ -184,9 +192,28 @@ def _compare_axis(
         for k in orders
     )
     verdict = judge(chances, evidences, found, caveats(results, noise))
+    defence = None
+    if settings.defend:
+        if progress is not None:
+            progress(data.axis, 0)
+        rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(key, 0)))
+        defence = defend(
+            data, models, posteriors, rule, verdict.order, verdict.plausible, groups, rng
+        )
+        verdict = argue(verdict, defence, len(data), data.size)
     return AxisComparison(
-        data, noise, noise_source, rule, reference, scatter(data), results, verdict
+        data, noise, noise_source, rule, reference, scatter(data), results, verdict, defence
     )
+
+
+def _groups(points: Correspondences) -> Groups | None:
+    """Form the groups of points that share a cause of error; None where they say nothing."""
+    source, names = points.causes()
+    unique, index = np.unique(np.array(names), return_inverse=True)
+    if not 1 < len(unique) < len(points):
+        return None
+    members = (index == np.arange(len(unique))[:, None]).astype(float)
+    return Groups(source, tuple(unique.tolist()), members)
 
 
 def _noise(data: AxisData, settings: Settings) -> tuple[AxisData, NoiseLevel, str]:

@@ -34,6 +34,7 @@ def compare(
     tau: float | None = None,
     seed: int = 0,
     ess: int = DEFAULT_ESS,
+    defend: bool = False,
     progress: Progress | None = None,
 ) -> Comparison:
     """Compare polynomial orders of the separable family, axis by axis.
@@ -59,6 +60,9 @@ def compare(
         Of all randomness.
     ess : int, optional
         Effective samples wanted of every parameter.
+    defend : bool, optional
+        Also answer a referee: leave-one-out, sensitivity to the prior, stability under
+        removal and resampling of points, orders beyond the range (some seconds more).
     progress : callable, optional
         Called with axis and order before each model is sampled.
 
@@ -72,7 +76,7 @@ def compare(
         Where the points can't determine an order, or a setting is not usable.
     """
     wanted = checked_orders(orders)
-    settings = Settings(sigma, prior, tau, seed, ess)
+    settings = Settings(sigma, prior, tau, seed, ess, defend)
     return analyse_points(points, dict.fromkeys(axis_names(axis), wanted), settings, progress)
 
 

@@ -23,6 +23,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--axis", choices=("r", "c", "both"), default="both", help="which pixel axis (both)"
     )
+    parser.add_argument(
+        "--defend",
+        action="store_true",
+        help="answer a referee too: leave-one-out, prior sensitivity, stability, orders beyond "
+        "the range (some seconds more)",
+    )
     shared.add_points(parser)
     shared.add_model(parser)
     add_output(parser)
@@ -41,6 +47,7 @@ def run(options: argparse.Namespace) -> int:
             points,
             options.orders,
             axis=options.axis,
+            defend=options.defend,
             progress=progress,
             **shared.settings(options),
         )

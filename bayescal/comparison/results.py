@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.defence import Defence
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma, Scatter
 from bayescal.comparison.verdict import AxisVerdict
 from bayescal.inference.least_squares import LeastSquaresFit
@@ -74,6 +75,8 @@ class AxisComparison:
     orders : tuple of OrderResult
         Ascending.
     verdict : AxisVerdict
+    defence : Defence or None
+        Answers to a referee, where they were asked for.
     """
 
     data: AxisData
@@ -84,6 +87,7 @@ class AxisComparison:
     scatter: Scatter
     orders: tuple[OrderResult, ...]
     verdict: AxisVerdict
+    defence: Defence | None = None
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:

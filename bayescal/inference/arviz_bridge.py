@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.special import logsumexp
 
 from bayescal.arrays import Array
 
@@ -63,6 +64,33 @@ def autocovariance(draws: Array) -> Array:
     from arviz_stats.base import array_stats
 
     return np.asarray(array_stats.autocov(draws, axis=1))
+
+
+def psis_loo(log_likelihood: Array) -> tuple[Array, Array, Array]:
+    """Leave-one-out by Pareto-smoothed importance sampling from draws.
+
+    Parameters
+    ----------
+    log_likelihood : Array
+        ln p(t_i | draw), ``(n_points, n_draws)``.
+
+    Returns
+    -------
+    elpd : Array
+        Pointwise, ``(n_points,)``.
+    mcse : Array
+        Its Monte Carlo standard error, ``(n_points,)`` (Vehtari et al. 2024, eq. 6).
+    pareto_k : Array
+        Shape of the weights' tail, ``(n_points,)``.
+    """
+    from arviz_stats.base import array_stats
+
+    log_weights, pareto_k = array_stats.psislw(log_likelihood, axis=-1)
+    log_weights = log_weights - logsumexp(log_weights, axis=-1, keepdims=True)
+    elpd = np.asarray(logsumexp(log_weights + log_likelihood, axis=-1))
+    relative = np.exp(log_likelihood - elpd[:, None]) - 1
+    mcse = np.sqrt((np.exp(2 * log_weights) * relative**2).sum(axis=-1))
+    return elpd, mcse, np.asarray(pareto_k)
 
 
 def write_netcdf(

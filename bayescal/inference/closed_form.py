@@ -1,15 +1,8 @@
-r"""Evidence and posterior of a linear Gaussian model in closed form: the oracle.
+r"""Posterior of a linear Gaussian model in closed form: the oracle.
 
-Given sigma and tau, the amplitudes b integrate out exactly. With the prior
-b ~ N(m, S), S = diag(s_j^2), and the singular value decomposition
-R S^{1/2} = U D V', the projected data w = U'(Q't - R m) are independent,
-
-    w_j ~ N(0, sigma^2 + D_j^2),        rss / sigma^2 ~ chi^2(n - p),
-
-and b = m + S^{1/2} V a with a_j | w ~ N(D_j w_j / (sigma^2 + D_j^2),
-sigma^2 / (sigma^2 + D_j^2)) (Bishop 2006, 3.3 and 3.5, in the basis that makes
-every matrix diagonal). ln sigma and ln tau are integrated by quadrature. A flat
-prior is the limit without the prior's unit precision (`precision` = 0, S = 1).
+With the notation of the evidence module, b = m + S^{1/2} V a with
+a_j | w ~ N(D_j w_j / (sigma^2 + D_j^2), sigma^2 / (sigma^2 + D_j^2)) (Bishop 2006,
+3.3); sigma and tau are averaged over the nodes of the evidence's quadrature.
 """
 
 from __future__ import annotations
@@ -21,25 +14,19 @@ import numpy as np
 from scipy.special import logsumexp, ndtr
 
 from bayescal.arrays import Array
+from bayescal.inference.evidence import NEAR_BOUND, Projection, log_joint, tau_rule
 from bayescal.inference.model import LinearModel
-from bayescal.inference.quadrature import POINT, Rule, follow, interval
-
-TAU_NODES = 49
-LOG_2PI = float(np.log(2 * np.pi))
-# "Piling up at a bound": this much of sigma's posterior within this fraction of it.
-NEAR_BOUND = 0.05
+from bayescal.inference.quadrature import FINE, Rule
 
 
 @dataclass(frozen=True, eq=False)
 class Conditional:
-    """Everything that depends on tau alone, at each node of tau.
+    """The amplitudes' normal given sigma, at each node of tau.
 
     Attributes
     ----------
-    d : Array
-        Singular values, ``(n_tau, p)``.
-    w : Array
-        Projected data, ``(n_tau, p)``.
+    d, w : Array
+        Singular values and projected data, ``(n_tau, p)``.
     to_b : Array
         S^{1/2} V: b = mean + to_b @ a, ``(n_tau, p, p)``.
     from_b : Array
@@ -58,52 +45,29 @@ class Conditional:
     precision: float
 
     @classmethod
-    def of(cls, model: LinearModel, log_tau: Array) -> Conditional:
-        """Decompose a model at each tau, ``(n_tau,)``."""
-        r, qt, _ = model.block
-        if model.prior.proper:
-            s = model.prior.deviations(log_tau)
-        else:
-            s = np.ones((len(log_tau), model.size))
-        u, d, vt = np.linalg.svd(r * s[:, None, :])
-        w = np.einsum("tji,j->ti", u, qt - r @ model.prior.mean)
+    def of(cls, projection: Projection) -> Conditional:
+        """Collect what a projection says of the amplitudes."""
+        s, vt = projection.s, projection.vt
         return cls(
-            d,
-            w,
+            projection.d,
+            projection.w,
             s[:, :, None] * vt.transpose(0, 2, 1),
             vt / s[:, None, :],
             -np.log(s).sum(axis=1),
-            float(model.prior.proper),
+            projection.precision,
         )
 
     def moments(self, variance: Array) -> tuple[Array, Array]:
-        """Mean and variance of each a_j given sigma^2.
+        """Mean and variance of each a_j given sigma^2, ``(n_tau, n_sigma, p)``.
 
         Parameters
         ----------
         variance : Array
-            sigma^2, broadcast against ``(n_tau, ..., p)``.
+            sigma^2, ``(n_sigma,)``.
         """
-        d = _between(self.d, variance.ndim)
-        w = _between(self.w, variance.ndim)
-        total = self.precision * variance + d**2
-        return d * w / total, variance / total
-
-    def log_likelihood(self, model: LinearModel, log_sigma: Array) -> Array:
-        """Log of the likelihood with b integrated out, ``(n_tau, n_sigma)``."""
-        variance = np.exp(2 * log_sigma)[None, :, None]
-        total = self.precision * variance + self.d[:, None, :] ** 2
-        quadratic = self.precision * self.w[:, None, :] ** 2 / total
-        n, p, rss = model.factors.n, model.size, model.block[2]
-        constant = -(n - p + self.precision * p) / 2 * LOG_2PI - model.factors.log_sd
-        misfit = -(n - p) * log_sigma - rss / 2 * np.exp(-2 * log_sigma)
-        projected: Array = (np.log(total) + quadratic).sum(axis=2)
-        return constant + misfit - projected / 2
-
-
-def _between(array: Array, ndim: int) -> Array:
-    """Insert axes after the first, so that ``(n_tau, p)`` becomes ``(n_tau, ..., p)``."""
-    return array.reshape(array.shape[0], *(1,) * (ndim - 2), array.shape[1])
+        d, w, v = self.d[:, None, :], self.w[:, None, :], variance[:, None]
+        total = self.precision * v + d**2
+        return d * w / total, v / total
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,10 +116,15 @@ class ExactPosterior:
         return float(logsumexp(self.log_joint, b=weights))
 
     @cached_property
+    def log_weights(self) -> Array:
+        """Log posterior probability of each node, ``(n_tau, n_sigma)``."""
+        product = self.tau_rule.weights[:, None] * self.sigma_rule.weights
+        return np.log(product) + self.log_joint - self.log_integral
+
+    @cached_property
     def weights(self) -> Array:
         """Posterior probability of each node, ``(n_tau, n_sigma)``, summing to 1."""
-        product = self.tau_rule.weights[:, None] * self.sigma_rule.weights
-        return product * np.exp(self.log_joint - self.log_integral)
+        return np.exp(self.log_weights)
 
     @cached_property
     def sigma(self) -> Array:
@@ -166,7 +135,7 @@ class ExactPosterior:
 
     @cached_property
     def _amplitudes(self) -> tuple[Array, Array]:
-        mean, variance = self.conditional.moments(self.sigma[None, :, None] ** 2)
+        mean, variance = self.conditional.moments(self.sigma**2)
         weights, to_b = self.weights, self.conditional.to_b
         node_mean = np.einsum("tpq,tsq->tsp", to_b, mean)  # of b, less the prior mean
         centre = np.einsum("ts,tsp->p", weights, node_mean)
@@ -281,23 +250,7 @@ def exact_posterior(model: LinearModel) -> ExactPosterior:
     ExactPosterior
         log_evidence to 1e-6 nat.
     """
-    prior, noise = model.prior, model.noise
-    if prior.infers_tau:
-        tau_rule = interval(*prior.log_tau_bounds, TAU_NODES)
-        conditional = Conditional.of(model, tau_rule.nodes)
-    else:
-        tau_rule = POINT
-        conditional = Conditional.of(model, np.log([prior.tau if prior.tau is not None else 1.0]))
-    log_prior = noise.log_prior() + prior.log_tau_density()
-
-    def log_joint(log_sigma: Array) -> Array:
-        return log_prior + conditional.log_likelihood(model, log_sigma)
-
-    if noise.value is not None:
-        values = log_joint(np.log([noise.value]))
-        return ExactPosterior(model, POINT, tau_rule, conditional, values)
-    lower, upper = noise.log_bounds
-    edge = np.log1p(NEAR_BOUND)
-    breaks = np.concatenate([[lower], np.linspace(lower + edge, upper - edge, 25), [upper]])
-    sigma_rule, values = follow(log_joint, breaks)
-    return ExactPosterior(model, sigma_rule, tau_rule, conditional, values)
+    rule, log_tau = tau_rule(model.prior, FINE)
+    projection = Projection.of(model.reduced, model.prior, log_tau)
+    sigma_rule, values = log_joint(model.reduced, projection, model.noise, model.prior, FINE)
+    return ExactPosterior(model, sigma_rule, rule, Conditional.of(projection), values)

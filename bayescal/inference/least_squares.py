@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array, frozen
+from bayescal.inference.evidence import Reduced
 from bayescal.models.basis import MonomialMap, legendre_design
 from bayescal.models.linear import AxisData
 
@@ -51,10 +52,16 @@ class Factorisation:
         dropped = np.append(self.qt[order + 1 :], self.tail)
         return float(dropped @ dropped)
 
-    def block(self, order: int) -> tuple[Array, Array]:
-        """R and Q't of an order: leading blocks."""
+    def reduced(self, order: int) -> Reduced:
+        """R, Q't and residual sum of squares of an order: leading blocks."""
         size = order + 1
-        return self.r[:size, :size], self.qt[:size]
+        return Reduced(
+            self.r[:size, :size],
+            self.qt[:size],
+            np.array(self.rss(order)),
+            np.array(float(self.n)),
+            np.array(self.log_sd),
+        )
 
     def exact_fit(self, order: int) -> bool:
         """Whether the residuals are rounding: RSS below n (64 eps max|t|)^2."""
@@ -147,15 +154,15 @@ def solve(factors: Factorisation, order: int, sigma: float | None = None) -> Lea
     -------
     LeastSquaresFit
     """
-    r, qt = factors.block(order)
-    amplitudes = solve_triangular(r, qt)
+    data = factors.reduced(order)
+    amplitudes = solve_triangular(data.r, data.qt)
     rss = factors.rss(order)
     dof = factors.n - order - 1
     sigma_hat = float(np.sqrt(rss / dof)) if dof > 0 else None
     scale = sigma if sigma is not None else sigma_hat
     errors = None
     if scale is not None:
-        inverse = solve_triangular(r, np.eye(order + 1))
+        inverse = solve_triangular(data.r, np.eye(order + 1))
         errors = frozen(scale * np.linalg.norm(factors.monomials.apply(inverse), axis=1))
     return LeastSquaresFit(
         order,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from bayescal.arrays import Array
+from bayescal.inference.evidence import Reduced
 from bayescal.inference.least_squares import Factorisation
 from bayescal.models.noise import NoiseLevel
 from bayescal.models.priors import CoefficientPrior
@@ -63,7 +63,6 @@ class LinearModel:
         return coefficients + ("sigma",) * self.infers_sigma + ("tau",) * self.infers_tau
 
     @cached_property
-    def block(self) -> tuple[Array, Array, float]:
+    def reduced(self) -> Reduced:
         """R, Q't and the residual sum of squares of this order."""
-        r, qt = self.factors.block(self.order)
-        return r, qt, self.factors.rss(self.order)
+        return self.factors.reduced(self.order)

@@ -7,7 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
-from bayescal.inference.closed_form import LOG_2PI, ExactPosterior
+from bayescal.inference.closed_form import ExactPosterior
+from bayescal.inference.evidence import LOG_2PI
 from bayescal.models.noise import NoiseLevel
 from bayescal.models.priors import CoefficientPrior
 

@@ -7,16 +7,40 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bayescal.arrays import Array, frozen
 
-# A panel is fine enough when the log density varies by less than RESOLVE over it, or
-# by as much more as its mass is less than the mode's; it is dropped where the density
-# is below exp(-DROP) of its maximum. With 13 nodes a panel the log integral is then
-# good to about 1e-8 nat (tests/inference/test_closed_form.py).
-RESOLVE = 3.0
-DROP = 34.0
-PANEL_NODES = 13
+
+@dataclass(frozen=True)
+class Accuracy:
+    """How finely a density is followed.
+
+    A panel is fine enough when the log density varies by less than `resolve` nats over
+    it, or by as much more as its mass is less than the mode's; it is dropped where the
+    density is below exp(-drop) of its maximum.
+
+    Attributes
+    ----------
+    resolve, drop : float
+        nat.
+    panel_nodes, tau_nodes : int
+        Nodes of a panel in ln sigma and of the rule in ln tau; 1 plus multiples of 4.
+    panels : int
+        Panels to start from.
+    """
+
+    resolve: float
+    drop: float
+    panel_nodes: int
+    tau_nodes: int
+    panels: int
+
+
+# The log integral is good to about 1e-8 nat (tests/inference/test_closed_form.py).
+FINE = Accuracy(resolve=3.0, drop=34.0, panel_nodes=13, tau_nodes=49, panels=24)
+# To about 0.02 nat: for thousands of resamples, whose own scatter is a thousand times that.
+COARSE = Accuracy(resolve=4.0, drop=14.0, panel_nodes=5, tau_nodes=13, panels=10)
 
 
 @cache
@@ -69,42 +93,47 @@ def interval(lower: float, upper: float, nodes: int) -> Rule:
     return _panels(np.array([lower]), np.array([upper]), nodes)
 
 
-def follow(log_density: Callable[[Array], Array], breaks: Array) -> tuple[Rule, Array]:
-    """Place panels where a family of log densities has its mass.
+def follow(
+    log_density: Callable[[Array], Array], breaks: Array, accuracy: Accuracy = FINE
+) -> tuple[Rule, Array]:
+    """Place panels where families of log densities have their mass.
 
-    Panels are halved until every density that matters varies by less than RESOLVE
-    nats over each, and dropped where all are negligible. A log likelihood varies
-    smoothly on the scale of ln sigma itself however many points there are, so a
-    peak can't hide between the nodes of a panel whose ends don't show it.
+    Panels are halved until every density that matters in its family is resolved over
+    each, and dropped where all are negligible. A log likelihood varies smoothly on the
+    scale of ln sigma itself however many points there are, so a peak can't hide between
+    the nodes of a panel whose ends don't show it.
 
     Parameters
     ----------
     log_density : callable
-        From nodes ``(n_nodes,)`` to log densities ``(n_densities, n_nodes)``.
+        From nodes ``(n_nodes,)`` to log densities ``(..., n_densities, n_nodes)``; the
+        leading axes count families (models), each judged by its own maximum.
     breaks : Array
         Ascending ends of the first panels, ``(n_panels + 1,)``.
+    accuracy : Accuracy, optional
 
     Returns
     -------
     rule : Rule
     values : Array
-        Log densities at its nodes, ``(n_densities, n_nodes)``.
+        Log densities at its nodes, ``(..., n_densities, n_nodes)``.
     """
-    x, _ = clenshaw_curtis(PANEL_NODES)
+    x, _ = clenshaw_curtis(accuracy.panel_nodes)
     lower, upper = breaks[:-1], breaks[1:]
     kept: list[tuple[Array, Array]] = []
-    best = -np.inf
+    best: Array | float = -np.inf
     while lower.size:
         nodes = (lower + upper)[:, None] / 2 + (upper - lower)[:, None] / 2 * x
-        values = log_density(nodes.ravel()).reshape(-1, *nodes.shape)
-        top, bottom = values.max(axis=2), values.min(axis=2)
-        best = max(best, float(top.max()))
-        floor = best - DROP
+        values = log_density(nodes.ravel())
+        values = values.reshape(*values.shape[:-1], *nodes.shape)
+        top, bottom = values.max(axis=-1), values.min(axis=-1)
+        best = np.maximum(best, top.max(axis=(-2, -1), keepdims=True))
+        floor = best - accuracy.drop
         # How high a density might reach between nodes: as far again as it varies.
         matters = 2 * top - bottom > floor
         excess = (top - np.maximum(bottom, floor)) - (best - top)
-        varies = (matters & (excess > RESOLVE)).any(axis=0)
-        done = matters.any(axis=0) & ~varies
+        varies = _any_density(matters & (excess > accuracy.resolve))
+        done = _any_density(matters) & ~varies
         kept.append((lower[done], upper[done]))
         lower, upper = lower[varies], upper[varies]
         middle = (lower + upper) / 2
@@ -115,8 +144,13 @@ def follow(log_density: Callable[[Array], Array], breaks: Array) -> tuple[Rule, 
         )
     ends = np.array([np.concatenate(side) for side in zip(*kept, strict=True)])
     ends = ends[:, np.argsort(ends[0])]
-    rule = _panels(ends[0], ends[1], PANEL_NODES)
+    rule = _panels(ends[0], ends[1], accuracy.panel_nodes)
     return rule, log_density(rule.nodes)
+
+
+def _any_density(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether any density has the flag, panel by panel."""
+    return np.asarray(flags.reshape(-1, flags.shape[-1]).any(axis=0))
 
 
 def _panels(lower: Array, upper: Array, nodes: int) -> Rule:

@@ -29,7 +29,7 @@ def log_prob(model: LinearModel, theta: Array) -> Array:
         ``(n_draws,)``, normalised likelihood and priors (a flat prior counts as 1);
         -inf outside the bounds of ln sigma and ln tau.
     """
-    r, qt, rss = model.block
+    data = model.reduced
     prior, noise = model.prior, model.noise
     amplitudes = theta[:, : model.size]
     inside = np.ones(len(theta), dtype=bool)
@@ -50,10 +50,10 @@ def log_prob(model: LinearModel, theta: Array) -> Array:
     log_sigma = np.where(inside, log_sigma, 0.0)  # keeps exp() finite out of bounds
     log_tau = np.where(inside, log_tau, 0.0)
 
-    misfit = qt - amplitudes @ r.T
-    chi2 = (rss + np.einsum("ij,ij->i", misfit, misfit)) * np.exp(-2 * log_sigma)
-    n = model.factors.n
-    log_likelihood = -0.5 * (chi2 + n * LOG_2PI) - n * log_sigma - model.factors.log_sd
+    misfit = data.qt - amplitudes @ data.r.T
+    chi2 = (data.rss + np.einsum("ij,ij->i", misfit, misfit)) * np.exp(-2 * log_sigma)
+    n = data.n
+    log_likelihood = -0.5 * (chi2 + n * LOG_2PI) - n * log_sigma - data.log_sd
     log_density: Array = log_likelihood + noise.log_prior() + prior.log_tau_density()
     if prior.proper:
         sd = prior.deviations(log_tau)

@@ -131,6 +131,20 @@ class Correspondences:
             return self.setup.height - c
         return c
 
+    def causes(self) -> tuple[str, tuple[str, ...]]:
+        """Which points share a cause of error: the column `group`, else a plane of z.
+
+        Returns
+        -------
+        source : str
+            ``"column group"`` or ``"plane z"``.
+        names : tuple of str
+            Group of each point.
+        """
+        if self.groups is not None:
+            return "column group", self.groups
+        return "plane z", tuple(f"z = {z:g}" for z in self.world[:, 2])
+
     def place(self, index: int) -> str:
         """Where point `index` (from 0) is, for a message: file and line, or its label."""
         if self.lines is not None:

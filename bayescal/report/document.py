@@ -11,10 +11,24 @@ from importlib.resources import files
 from typing import Any
 
 import bayescal
+from bayescal.comparison.defence import Prediction
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary
 from bayescal.models.priors import TAU_BOUNDS, PriorRule
+from bayescal.points.correspondences import Correspondences
+from bayescal.report.defence import defence_document
 
+PREDICTION = (
+    "elpd_loo",
+    "elpd_loo_se",
+    "elpd_diff",
+    "elpd_diff_se",
+    "p_loo",
+    "pareto_k_max",
+    "elpd_psis",
+    "elpd_psis_mcse",
+    "elpd_group",
+)
 SCHEMA = "bayescal.comparison/1"
 PACKAGES = ("emcee", "numpy", "scipy", "arviz")
 
@@ -79,6 +93,11 @@ def _data(comparison: Comparison) -> dict[str, Any]:
             "image": {"width_px": None, "height_px": None},
             "camera_position": None,
         }
+    return points_facts(points)
+
+
+def points_facts(points: Correspondences) -> dict[str, Any]:
+    """What a result document says of the points and the camera."""
     setup = points.setup
     return {
         "source": points.source,
@@ -124,7 +143,23 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
             "caveats": list(verdict.caveats),
             "text": verdict.text,
         },
+        "defence": None if axis.defence is None else defence_document(axis.defence),
     }
+
+
+def _prediction(found: Prediction | None) -> dict[str, Any]:
+    if found is None:
+        return dict.fromkeys(PREDICTION)
+    k_max = None if found.pareto_k is None else _finite(float(found.pareto_k.max()))
+    loo = found.loo
+    values = (loo.elpd, _finite(loo.se), found.difference, _finite(found.difference_se), loo.p_eff)
+    return dict(
+        zip(
+            PREDICTION,
+            (*values, k_max, found.psis_elpd, found.psis_mcse, found.group_elpd),
+            strict=True,
+        )
+    )
 
 
 def _prior(rule: PriorRule, order: int) -> dict[str, Any]:
@@ -160,6 +195,7 @@ def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         name: min((getattr(r.criteria, name) for r in axis.orders), key=_none_last)
         for name in ("aic", "aicc", "bic")
     }
+    found_loo = axis.defence.prediction.get(result.order) if axis.defence is not None else None
     coefficients = []
     for j, summary in enumerate(result.posterior.parameters[:size]):
         errors = fit.standard_errors
@@ -192,6 +228,7 @@ def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         "log_evidence": exact.log_evidence,
         "log_evidence_error": exact.log_evidence_error,
         "probability": result.probability,
+        **_prediction(found_loo),
         "exact_fit": fit.exact,
         "coefficients": coefficients,
         "sigma": _summary(by_name["sigma"]) if "sigma" in by_name else None,

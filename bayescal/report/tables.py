@@ -37,7 +37,7 @@ def orders_table(axis: AxisComparison) -> RenderableType:
         ("ln Z", lambda r: _maybe(r.log_evidence, lambda v: f"{v:.2f}")),
         ("prob.", lambda r: _maybe(r.probability, percent)),
     ]
-    table = _table("", *(name for name, _ in columns))
+    table = start_table("", *(name for name, _ in columns))
     for result in axis.orders:
         chosen = result.order == axis.verdict.order
         cells = [value(result) for _, value in columns]
@@ -50,7 +50,7 @@ def coefficients_table(axis: AxisComparison, result: OrderResult) -> RenderableT
     what = f"order {result.order}"
     if axis.verdict.order is None:
         what += " (lowest BIC)"
-    table = _table(
+    table = start_table(
         f"{what}, {_unit(axis)}",
         "least sq.",
         "mean",
@@ -80,7 +80,7 @@ def coefficients_table(axis: AxisComparison, result: OrderResult) -> RenderableT
 
 def exact_table(axis: AxisComparison, result: OrderResult) -> RenderableType:
     """Least squares and the closed form of one order, beside each other."""
-    table = _table(
+    table = start_table(
         f"without sampling, {_unit(axis)}",
         "least squares",
         "standard error",
@@ -153,7 +153,7 @@ def significant_three(value: float) -> str:
     return significant(value, 3)
 
 
-def _table(first: str, *others: str) -> Table:
+def start_table(first: str, *others: str) -> Table:
     """Start a table whose columns after the first are numbers."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="")
     table.add_column(first, no_wrap=True)

@@ -10,6 +10,7 @@ from rich.text import Text
 
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.models.priors import TAU_BOUNDS
+from bayescal.report.defence import defence_view, joint_view
 from bayescal.report.rounding import significant
 from bayescal.report.tables import coefficients_table, exact_table, facts, orders_table
 
@@ -42,7 +43,17 @@ def comparison_view(comparison: Comparison) -> RenderableType:
     parts: list[RenderableType] = [header(comparison)]
     for axis in comparison.axes.values():
         parts += [axis_title(axis), orders_table(axis), *_footnotes(axis), verdict_view(axis)]
-        parts += [coefficients_table(axis, axis.chosen), Text("")]
+        parts += [defence_view(axis), coefficients_table(axis, axis.chosen), Text("")]
+    if all(axis.defence is not None for axis in comparison.axes.values()):
+        if len(comparison.axes) == 2:
+            parts += [joint_view(*comparison.axes.values()), Text("")]
+    else:
+        parts.append(
+            Text(
+                "Would it persuade a referee? --defend adds leave-one-out, prior sensitivity, "
+                "stability and orders beyond.\n"
+            )
+        )
     parts.append(sampling_line(comparison))
     return Group(*parts)
 

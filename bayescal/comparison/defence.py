@@ -1,0 +1,261 @@
+"""What a referee asks of a verdict: prediction, prior, other points, other orders."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out, paired_difference
+from bayescal.comparison.sensitivity import TauSensitivity, tau_sensitivity
+from bayescal.comparison.stability import (
+    Beyond,
+    Bootstrap,
+    Removal,
+    beyond,
+    bootstrap,
+    removals,
+    without_groups,
+)
+from bayescal.inference.arviz_bridge import psis_loo
+from bayescal.inference.evidence import LOG_2PI
+from bayescal.inference.model import LinearModel
+from bayescal.inference.posterior import Posterior
+from bayescal.models.basis import legendre_design
+from bayescal.models.linear import AxisData
+from bayescal.models.priors import PriorRule
+
+# Log densities held at once by the check of leave-one-out from the draws.
+PSIS_NUMBERS = 20_000_000
+PSIS_DRAWS = 400
+PSIS_AGREEMENT = 5.0  # Monte Carlo standard errors
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """Leave-one-out of one order, exact and from the draws.
+
+    Attributes
+    ----------
+    loo : LeaveOneOut
+        Exact.
+    difference, difference_se : float
+        elpd less the best order's, and its paired standard error.
+    group_elpd : float or None
+        Sum of ln p(group | all other points); None where there are no groups.
+    psis_elpd : float or None
+        The sum from the draws (Pareto-smoothed importance sampling); None where the
+        data are too many for it.
+    psis_mcse : float or None
+        Its Monte Carlo standard error.
+    pareto_k : Array or None
+        ``(n_points,)``.
+    """
+
+    loo: LeaveOneOut
+    difference: float
+    difference_se: float
+    group_elpd: float | None
+    psis_elpd: float | None
+    psis_mcse: float | None
+    pareto_k: Array | None
+
+
+@dataclass(frozen=True)
+class Worth:
+    """How far another order's prediction is from the recommended one's.
+
+    Attributes
+    ----------
+    order : int
+    largest : float
+        Largest difference over the domain, px.
+    sd : float
+        Posterior sd of the larger order's prediction there, px.
+    at : float
+        Regressor where it is.
+    """
+
+    order: int
+    largest: float
+    sd: float
+    at: float
+
+
+@dataclass(frozen=True, eq=False)
+class Defence:
+    """Answers to a referee, on one axis.
+
+    Attributes
+    ----------
+    prediction : dict of int to Prediction
+        By order; empty where leave-one-out does not exist.
+    tau : TauSensitivity or None
+        None where the prior has no tau.
+    group_source : str or None
+        What makes a group: ``"column group"`` or ``"plane z"``.
+    points_that_matter, groups_that_matter : tuple of Removal
+        Whose removal changes the winner.
+    resampled : tuple of Bootstrap
+        By point and, where there are groups, by group.
+    beyond : Beyond or None
+    worth : tuple of Worth
+        Of every other plausible order.
+    """
+
+    prediction: dict[int, Prediction]
+    tau: TauSensitivity | None
+    group_source: str | None
+    points_that_matter: tuple[Removal, ...]
+    groups_that_matter: tuple[Removal, ...]
+    resampled: tuple[Bootstrap, ...]
+    beyond: Beyond | None
+    worth: tuple[Worth, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Groups:
+    """Points that share a cause of error.
+
+    Attributes
+    ----------
+    source : str
+        ``"column group"`` or ``"plane z"``.
+    names : tuple of str
+    members : Array
+        1 where a point belongs to a group, ``(n_groups, n_points)``.
+    """
+
+    source: str
+    names: tuple[str, ...]
+    members: Array
+
+
+def defend(
+    data: AxisData,
+    models: Mapping[int, LinearModel],
+    posteriors: Mapping[int, Posterior],
+    rule: PriorRule,
+    order: int | None,
+    plausible: tuple[int, ...],
+    groups: Groups | None,
+    rng: np.random.Generator,
+) -> Defence:
+    """Answer a referee's questions about one axis.
+
+    Parameters
+    ----------
+    data : AxisData
+    models, posteriors : mapping of int
+        By order.
+    rule : PriorRule
+    order : int or None
+        The recommended order; None under a flat prior, where only prediction is
+        compared.
+    plausible : tuple of int
+    groups : Groups or None
+    rng : numpy.random.Generator
+        For the bootstrap.
+
+    Returns
+    -------
+    Defence
+    """
+    integrals = {k: p.exact.log_integral for k, p in posteriors.items()}
+    left_out = {k: leave_one_out(data, p.exact) for k, p in posteriors.items()}
+    loos = {k: loo for k, loo in left_out.items() if loo is not None}
+    members = groups.members if groups is not None else None
+    grouped = without_groups(data, models, members) if members is not None else None
+    prediction = _predictions(data, posteriors, loos, integrals, grouped)
+    if order is None:
+        return Defence(prediction, None, groups.source if groups else None, (), (), (), None, ())
+    points = removals(
+        data.labels,
+        [1] * len(data),
+        {k: integrals[k] - loo.pointwise for k, loo in loos.items()},
+        order,
+    )
+    groups_out: tuple[Removal, ...] = ()
+    resampled = [bootstrap(data, models, rng)]
+    if groups is not None and grouped is not None:
+        sizes = groups.members.sum(axis=1).astype(int).tolist()
+        groups_out = removals(groups.names, sizes, grouped, order)
+        resampled.append(bootstrap(data, models, rng, groups.members))
+    scaled = rule.name == "field"
+    return Defence(
+        prediction,
+        tau_sensitivity(models) if scaled else None,
+        groups.source if groups is not None else None,
+        points,
+        groups_out,
+        tuple(resampled),
+        beyond(data, integrals, models[order].noise, rule),
+        tuple(_worth(data, posteriors, order, k) for k in plausible if k != order),
+    )
+
+
+def _predictions(
+    data: AxisData,
+    posteriors: Mapping[int, Posterior],
+    loos: Mapping[int, LeaveOneOut],
+    integrals: Mapping[int, float],
+    grouped: Mapping[int, Array] | None,
+) -> dict[int, Prediction]:
+    if not loos:
+        return {}
+    best = max(loos, key=lambda k: loos[k].elpd)
+    out = {}
+    for k, loo in loos.items():
+        difference, se = paired_difference(loo, loos[best])
+        group = None if grouped is None else float((integrals[k] - grouped[k]).sum())
+        psis = _psis(data, posteriors[k])
+        if psis is None:
+            out[k] = Prediction(loo, difference, se, group, None, None, None)
+        else:
+            elpd, mcse, pareto_k = psis
+            out[k] = Prediction(
+                loo,
+                difference,
+                se,
+                group,
+                float(elpd.sum()),
+                float(np.sqrt((mcse**2).sum())),
+                pareto_k,
+            )
+    return out
+
+
+def _psis(data: AxisData, posterior: Posterior) -> tuple[Array, Array, Array] | None:
+    """Leave-one-out from the draws; None where they'd be too few for so many points."""
+    model = posterior.exact.model
+    theta = posterior.chain.theta.reshape(-1, model.dimension)
+    room = PSIS_NUMBERS // len(data)
+    if room < PSIS_DRAWS:
+        return None
+    theta = theta[:: -(-len(theta) // room)]
+    design = legendre_design(data.domain.scale(data.x), model.order)
+    sd = data.sd if data.sd is not None else np.ones(len(data))
+    if model.infers_sigma:
+        log_sigma = theta[:, model.size]
+    else:
+        log_sigma = np.full(len(theta), np.log(posterior.exact.sigma[0]))
+    z = (data.t[:, None] - design @ theta[:, : model.size].T) / sd[:, None] * np.exp(-log_sigma)
+    log_likelihood = -(z**2 + LOG_2PI) / 2 - log_sigma - np.log(sd)[:, None]
+    return psis_loo(log_likelihood)
+
+
+def _worth(data: AxisData, posteriors: Mapping[int, Posterior], order: int, other: int) -> Worth:
+    s = np.linspace(-1, 1, 401)
+    means = {}
+    for k in (order, other):
+        exact = posteriors[k].exact
+        means[k] = legendre_design(s, k) @ exact.mean
+    difference = np.abs(means[other] - means[order])
+    place = int(difference.argmax())
+    larger = max(order, other)
+    row = legendre_design(s[place : place + 1], larger)[0]
+    sd = float(np.sqrt(row @ posteriors[larger].exact.covariance @ row))
+    at = data.domain.middle + data.domain.half_range * float(s[place])
+    return Worth(other, float(difference[place]), sd, at)

@@ -1,0 +1,210 @@
+"""Would the choice hold with other points? Removals, resamples, orders beyond."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.comparison.evidence import probabilities
+from bayescal.inference.closed_form import exact_posterior
+from bayescal.inference.evidence import log_evidences
+from bayescal.inference.least_squares import factorise
+from bayescal.inference.model import LinearModel
+from bayescal.inference.quadrature import COARSE, FINE
+from bayescal.inference.reweighting import Rows
+from bayescal.models.basis import distinct_values
+from bayescal.models.linear import AxisData
+from bayescal.models.noise import NoiseLevel
+from bayescal.models.priors import PriorRule
+
+RESAMPLES = 1000
+BEYOND = 3
+
+
+@dataclass(frozen=True)
+class Removal:
+    """A point or group without which another order would win.
+
+    Attributes
+    ----------
+    name : str
+        Label of the point, or name of the group.
+    size : int
+        Points removed.
+    order : int
+        The order that wins without them.
+    log_bayes_factor : float
+        ln B of that order against the recommended one, without them.
+    """
+
+    name: str
+    size: int
+    order: int
+    log_bayes_factor: float
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """How often each order wins over resamples of the data.
+
+    Attributes
+    ----------
+    unit : str
+        ``"point"`` or ``"group"``: what is resampled with replacement.
+    resamples : int
+    share : dict of int to float
+        Share of the resamples that each order wins.
+    """
+
+    unit: str
+    resamples: int
+    share: dict[int, float]
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """Orders above the compared range.
+
+    Attributes
+    ----------
+    probability : dict of int to float
+        Of every order, compared and beyond, were all of them candidates.
+    winner : int or None
+        The order beyond that would win; None where none does.
+    """
+
+    probability: dict[int, float]
+    winner: int | None
+
+
+def removals(
+    names: Sequence[str], sizes: Sequence[int], without: Mapping[int, Array], chosen: int
+) -> tuple[Removal, ...]:
+    """Find the points or groups whose removal changes the winner.
+
+    Parameters
+    ----------
+    names, sizes : sequence
+        Of the points or groups.
+    without : mapping of int to Array
+        By order, log evidence without each of them, ``(n_removed,)``.
+    chosen : int
+        The recommended order.
+
+    Returns
+    -------
+    tuple of Removal
+        Strongest first.
+    """
+    orders = list(without)
+    table = np.array([without[k] for k in orders])
+    best = table.argmax(axis=0)
+    found = [
+        Removal(names[i], sizes[i], orders[best[i]], float(table[best[i], i] - without[chosen][i]))
+        for i in np.flatnonzero(best != orders.index(chosen)).tolist()
+    ]
+    return tuple(sorted(found, key=lambda r: -r.log_bayes_factor))
+
+
+def without_groups(
+    data: AxisData, models: Mapping[int, LinearModel], members: Array
+) -> dict[int, Array]:
+    """Log evidence of every order without each group.
+
+    Parameters
+    ----------
+    data : AxisData
+    models : mapping of int to LinearModel
+    members : Array
+        1 where a point belongs to a group, ``(n_groups, n_points)``.
+
+    Returns
+    -------
+    dict of int to Array
+        ``(n_groups,)`` by order.
+    """
+    sets = Rows.of(data, max(models)).without(members)
+    return {
+        k: log_evidences(sets.reduced(k), model.noise, model.prior, FINE)
+        for k, model in models.items()
+    }
+
+
+def bootstrap(
+    data: AxisData,
+    models: Mapping[int, LinearModel],
+    rng: np.random.Generator,
+    members: Array | None = None,
+    resamples: int = RESAMPLES,
+) -> Bootstrap:
+    """Resample points or groups and count which order wins.
+
+    Domain and prior stay those of the full data.
+
+    Parameters
+    ----------
+    data : AxisData
+    models : mapping of int to LinearModel
+        With a proper prior.
+    rng : numpy.random.Generator
+    members : Array, optional
+        1 where a point belongs to a group, ``(n_groups, n_points)``; points are
+        resampled one by one without it.
+    resamples : int, optional
+    """
+    units = len(data) if members is None else len(members)
+    drawn = rng.multinomial(units, np.full(units, 1 / units), size=resamples).astype(float)
+    counts = drawn if members is None else drawn @ members
+    sets = Rows.of(data, max(models)).counted(counts)
+    table = np.array(
+        [
+            log_evidences(sets.reduced(k), model.noise, model.prior, COARSE)
+            for k, model in models.items()
+        ]
+    )
+    wins = np.bincount(table.argmax(axis=0), minlength=len(models)) / resamples
+    return Bootstrap(
+        "point" if members is None else "group",
+        resamples,
+        {k: float(share) for k, share in zip(models, wins, strict=True)},
+    )
+
+
+def beyond(
+    data: AxisData,
+    log_evidence: Mapping[int, float],
+    noise: NoiseLevel,
+    rule: PriorRule,
+) -> Beyond:
+    """Ask whether up to three orders above the compared range would win.
+
+    Parameters
+    ----------
+    data : AxisData
+    log_evidence : mapping of int to float
+        Of the orders compared.
+    noise : NoiseLevel
+    rule : PriorRule
+    """
+    highest = max(log_evidence)
+    limit = min(distinct_values(data.x), len(data)) - 1
+    if rule.stated is not None and rule.name == "stated":
+        limit = min(limit, len(rule.stated.mean) - 1)
+    more = range(highest + 1, min(highest + BEYOND, limit) + 1)
+    evidence = dict(log_evidence)
+    if more:
+        factors = factorise(data, more[-1])
+        for k in more:
+            model = LinearModel(factors, k, noise, rule.of_order(k), data.symbol)
+            evidence[k] = exact_posterior(model).log_integral
+    chance = dict(zip(evidence, probabilities(list(evidence.values())), strict=True))
+    best = max(chance, key=lambda k: (chance[k], -k))
+    return Beyond(chance, best if best > highest else None)
+
+
+def joint_probabilities(first: Mapping[int, float], second: Mapping[int, float]) -> Array:
+    """Probability of every pair of orders of two independent axes, ``(n_first, n_second)``."""
+    return np.outer(list(first.values()), list(second.values()))
