@@ -2,92 +2,48 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
+from bayescal.comparison.adequacy import adequacy, concerns, pure_error
 from bayescal.comparison.argument import argue
 from bayescal.comparison.caveats import caveats, notes
 from bayescal.comparison.criteria import criteria
 from bayescal.comparison.defence import Groups, defend
 from bayescal.comparison.evidence import probabilities
-from bayescal.comparison.goodness import goodness_of_fit, reference_sigma, scatter
+from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.comparison.verdict import judge
-from bayescal.errors import InputError
 from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
 from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, sample_posterior
 from bayescal.models import separable
 from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import SPAN_BOUNDS, NoiseLevel
-from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
-from bayescal.points.setup import StatedPrior
+from bayescal.points.setup import AXES, StatedPrior
+from bayescal.settings import Settings, noise_level, prior_rule
 
 Progress: TypeAlias = Callable[[str, int], None]
-DEFAULT_ORDERS = range(1, 6)
-DEFAULT_ESS = 4000
-HIGHEST_ORDER = 20
 
 
-@dataclasses.dataclass(frozen=True)
-class Settings:
-    """What the user decides beside the data.
+@dataclass(frozen=True, eq=False)
+class _Task:
+    """One axis to compare, with what is known beside its own numbers."""
 
-    Attributes
-    ----------
-    sigma : float or str or None
-        Known sigma, px; ``"inferred"``; or None: the file's deviations where it
-        has them, else inferred.
-    prior : str or None
-        ``"field"``, ``"flat"`` or ``"stated"``; None: the setup's stated prior
-        where it has one, else field.
-    tau : float or None
-        Fixed tau of the field prior; None: inferred.
-    seed : int
-    ess : int
-        Effective samples wanted of every parameter.
-    defend : bool
-        Whether to answer a referee's questions too.
-    """
-
-    sigma: float | str | None = None
-    prior: str | None = None
-    tau: float | None = None
-    seed: int = 0
-    ess: int = DEFAULT_ESS
-    defend: bool = False
-
-    def __post_init__(self) -> None:
-        if isinstance(self.sigma, str) and self.sigma != "inferred":
-            raise InputError(f"sigma must be 'inferred' or a number of px, not {self.sigma!r}")
-        if not 100 <= self.ess <= 1_000_000:
-            raise InputError(f"ess must be from 100 to 1000000, not {self.ess}")
-        if self.seed < 0:
-            raise InputError(f"seed must not be negative, but is {self.seed}")
-
-
-def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
-    """Sort the orders wanted and refuse those out of range.
-
-    Raises
-    ------
-    InputError
-        Where there is none, or one is not from 1 to 20.
-    """
-    wanted = tuple(sorted({int(k) for k in orders}))
-    if not wanted:
-        raise InputError("no order is given; give at least one, such as 1-5")
-    if wanted[0] < 1 or wanted[-1] > HIGHEST_ORDER:
-        bad = wanted[0] if wanted[0] < 1 else wanted[-1]
-        raise InputError(f"order {bad} is out of range; orders go from 1 to {HIGHEST_ORDER}")
-    return wanted
+    data: AxisData
+    key: int  # of its random numbers
+    orders: Sequence[int]
+    other: Array | None = None
+    depth: Array | None = None
+    stated: StatedPrior | None = None
+    groups: Groups | None = None
+    group_names: tuple[str, ...] | None = None
 
 
 def analyse_points(
@@ -111,24 +67,26 @@ def analyse_points(
     -------
     Comparison
     """
-    data = {axis: separable.axis_data(points, axis) for axis in orders}
+    data = {axis: separable.axis_data(points, axis) for axis in AXES}
     for axis, wanted in orders.items():
         data[axis].check(wanted[-1])  # refuse before anything is sampled
     groups = _groups(points)
+    tasks = {
+        axis: _Task(
+            data[axis],
+            AXES.index(axis),
+            wanted,
+            other=data["c" if axis == "r" else "r"].x,
+            depth=points.camera_frame()[:, 2],
+            stated=points.setup.priors.get(axis),
+            groups=groups,
+            group_names=points.groups,
+        )
+        for axis, wanted in orders.items()
+    }
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
-        axes = {
-            axis: _compare_axis(
-                data[axis],
-                "rc".index(axis),
-                wanted,
-                settings,
-                points.setup.priors.get(axis),
-                groups,
-                progress,
-            )
-            for axis, wanted in orders.items()
-        }
+        axes = {axis: _compare_axis(task, settings, progress) for axis, task in tasks.items()}
     assumed = notes(points, axes.values())
     return Comparison(axes, separable.NAME, points, settings.seed, settings.ess, assumed)
 
@@ -149,34 +107,27 @@ def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) ->
         With the single axis ``"y"``.
     """
     with threadpool_limits(1):
-        result = _compare_axis(data, 0, orders, settings, None, None, None)
+        result = _compare_axis(_Task(data, 0, orders), settings, None)
     assumed = (f"y: its span, {data.size:.6g}, stands for the image size in the prior",)
     return Comparison({"y": result}, "polynomial", None, settings.seed, settings.ess, assumed)
 
 
-def _compare_axis(
-    data: AxisData,
-    key: int,
-    orders: Sequence[int],
-    settings: Settings,
-    stated: StatedPrior | None,
-    groups: Groups | None,
-    progress: Progress | None,
-) -> AxisComparison:
-    data, noise, noise_source = _noise(data, settings)
-    rule = _prior_rule(data, settings, stated)
+def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) -> AxisComparison:
+    orders = task.orders
+    data, noise, noise_source = noise_level(task.data, settings, task.other)
+    rule = prior_rule(data, settings, task.stated)
     factors = factorise(data, orders[-1])
     priors = {k: rule.of_order(k) for k in orders}  # refuses a stated prior that is too short
     fits = {k: solve(factors, k, noise.value) for k in orders}
-    reference = reference_sigma(noise, fits[orders[-1]])
+    replicates = pure_error(data.x, task.other, data.t, data.sd)
+    reference = reference_sigma(noise, fits[orders[-1]], replicates)
     models = {k: LinearModel(factors, k, noise, priors[k], data.symbol) for k in orders}
     posteriors: dict[int, Posterior] = {}
     for k in orders:
         if progress is not None:
             progress(data.axis, k)
-        # Keyed by axis and order, so that the other orders compared change no draw.
-        seed = np.random.SeedSequence(settings.seed, spawn_key=(key, k))
-        posteriors[k] = sample_posterior(models[k], np.random.default_rng(seed), settings.ess)
+        rng = _rng(settings, task, k)
+        posteriors[k] = sample_posterior(models[k], rng, settings.ess)
     chances, evidences = _probabilities(posteriors)
     found = {k: criteria(fits[k], noise, factors.n, factors.log_sd) for k in orders}
     results = tuple(
@@ -192,18 +143,59 @@ def _compare_axis(
         for k in orders
     )
     verdict = judge(chances, evidences, found, caveats(results, noise))
-    defence = None
-    if settings.defend:
-        if progress is not None:
-            progress(data.axis, 0)
-        rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(key, 0)))
-        defence = defend(
-            data, models, posteriors, rule, verdict.order, verdict.plausible, groups, rng
-        )
-        verdict = argue(verdict, defence, len(data), data.size)
-    return AxisComparison(
-        data, noise, noise_source, rule, reference, scatter(data), results, verdict, defence
+    plain = AxisComparison(
+        data,
+        noise,
+        noise_source,
+        rule,
+        reference,
+        pure_error(data.x, None, data.t),
+        results,
+        verdict,
     )
+    if not settings.defend:
+        return plain
+    if progress is not None:
+        progress(data.axis, 0)
+    return _defended(plain, models, task, _rng(settings, task, 0))
+
+
+def _rng(settings: Settings, task: _Task, part: int) -> np.random.Generator:
+    """Random numbers of one model: keyed by axis and order, so that no other changes them."""
+    seed = np.random.SeedSequence(settings.seed, spawn_key=(task.key, part))
+    return np.random.default_rng(seed)
+
+
+def _defended(
+    plain: AxisComparison, models: dict[int, LinearModel], task: _Task, rng: np.random.Generator
+) -> AxisComparison:
+    """Add the answers to a referee."""
+    data, verdict, chosen = plain.data, plain.verdict, plain.chosen
+    posteriors = {r.order: r.posterior for r in plain.orders}
+    defence = defend(
+        data,
+        models,
+        posteriors,
+        plain.prior,
+        verdict.order,
+        verdict.plausible,
+        task.groups,
+        rng,
+    )
+    draws = chosen.posterior.chain.draws
+    tests = adequacy(
+        data,
+        chosen.fit,
+        plain.noise,
+        task.other,
+        task.depth,
+        task.group_names,
+        draws.reshape(-1, draws.shape[2]),
+        rng,
+    )
+    argued = argue(verdict, defence, len(data), data.size)
+    argued = replace(argued, caveats=(*argued.caveats, *concerns(tests)))
+    return replace(plain, verdict=argued, defence=defence, adequacy=tests)
 
 
 def _groups(points: Correspondences) -> Groups | None:
@@ -214,29 +206,6 @@ def _groups(points: Correspondences) -> Groups | None:
         return None
     members = (index == np.arange(len(unique))[:, None]).astype(float)
     return Groups(source, tuple(unique.tolist()), members)
-
-
-def _noise(data: AxisData, settings: Settings) -> tuple[AxisData, NoiseLevel, str]:
-    """Noise level of an axis, the data with or without deviations, and why, in words."""
-    has_own = data.sd is not None
-    if settings.sigma is None and has_own:
-        return data, NoiseLevel.known(1.0), "known per point, from the data"
-    ignored = "; the points' own deviations are not used, as asked" if has_own else ""
-    data = dataclasses.replace(data, sd=None)
-    if isinstance(settings.sigma, int | float):
-        level = NoiseLevel.known(float(settings.sigma))
-        return data, level, f"known, {settings.sigma:g} px{ignored}"
-    if data.axis == "y":
-        level = NoiseLevel.inferred((SPAN_BOUNDS[0] * data.size, SPAN_BOUNDS[1] * data.size))
-    else:
-        level = NoiseLevel.inferred()
-    return data, level, f"inferred{ignored}"
-
-
-def _prior_rule(data: AxisData, settings: Settings, stated: StatedPrior | None) -> PriorRule:
-    default = "stated" if stated is not None and settings.tau is None else "field"
-    centre = data.size / 2 if data.size_known else float(data.t.min() + np.ptp(data.t) / 2)
-    return PriorRule(settings.prior or default, data.size, centre, settings.tau, stated)
 
 
 def _probabilities(

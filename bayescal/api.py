@@ -6,15 +6,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from bayescal.analysis import (
-    DEFAULT_ESS,
-    DEFAULT_ORDERS,
-    Progress,
-    Settings,
-    analyse_arrays,
-    analyse_points,
-    checked_orders,
-)
+from bayescal.analysis import Progress, analyse_arrays, analyse_points
 from bayescal.arrays import Array, ArrayLike
 from bayescal.comparison.results import Comparison, OrderResult
 from bayescal.errors import InputError
@@ -22,6 +14,7 @@ from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
 from bayescal.models.linear import generic_axis
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import axis_names
+from bayescal.settings import DEFAULT_ESS, DEFAULT_ORDERS, Settings, checked_orders
 
 
 def compare(

@@ -44,9 +44,9 @@ def add_model(parser: argparse.ArgumentParser) -> None:
     model.add_argument(
         "--sigma",
         type=sigma,
-        metavar="inferred|PX",
-        help="noise level: inferred from the residuals, or known, px (the file's sigma_r, sigma_c "
-        "where it has them, else inferred)",
+        metavar="LEVEL",
+        help="noise level: known, px; inferred; from replicates; or scale, a factor on the file's "
+        "sigma_r, sigma_c (those as they stand where the file has them, else inferred)",
     )
     model.add_argument(
         "--prior",
@@ -85,13 +85,13 @@ def orders(text: str) -> list[int]:
 
 def sigma(text: str) -> float | str:
     """Parse a noise level: a number of px or a word."""
-    if text == "inferred":
+    if text in ("inferred", "replicates", "scale"):
         return text
     try:
         return float(text)
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is neither 'inferred' nor a number of px"
+            f"{text!r} is neither inferred, replicates, scale nor a number of px"
         ) from None
 
 

@@ -5,13 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
 from scipy.special import chdtr, chdtrc, fdtrc
 
-from bayescal.arrays import Array
 from bayescal.inference.least_squares import LeastSquaresFit
-from bayescal.models.basis import SAME_REGRESSOR
-from bayescal.models.linear import AxisData
 from bayescal.models.noise import NoiseLevel
 
 
@@ -22,9 +18,10 @@ class ReferenceSigma:
     Attributes
     ----------
     source : str
-        ``"known"`` or ``"highest-order"``.
+        ``"known"``, ``"replicates"`` or ``"highest-order"``.
     value : float or None
-        px; None where the highest order leaves no residual to take it from.
+        px (a factor where the points have deviations); None where there is no residual
+        to take it from.
     dof : int or None
         Degrees of freedom of its estimate; None where sigma is known.
     """
@@ -34,14 +31,27 @@ class ReferenceSigma:
     dof: int | None
 
 
-def reference_sigma(noise: NoiseLevel, highest: LeastSquaresFit) -> ReferenceSigma:
-    """Sigma for chi-squared: known, else the unbiased one of the highest order.
+def reference_sigma(
+    noise: NoiseLevel, highest: LeastSquaresFit, replicates: tuple[float | None, int] = (None, 0)
+) -> ReferenceSigma:
+    """Sigma for chi-squared: known, else from replicates, else that of the highest order.
 
     With sigma fitted from the same residuals reduced chi-squared is 1 by
     construction, so the fitted one can't serve.
+
+    Parameters
+    ----------
+    noise : NoiseLevel
+    highest : LeastSquaresFit
+        Of the highest order compared.
+    replicates : tuple
+        Pure error and its degrees of freedom.
     """
-    if noise.value is not None:
+    if noise.source == "known":
         return ReferenceSigma("known", noise.value, None)
+    pure, dof = replicates
+    if pure:
+        return ReferenceSigma("replicates", pure, dof)
     usable = highest.sigma_hat is not None and not highest.exact
     return ReferenceSigma("highest-order", highest.sigma_hat if usable else None, highest.dof)
 
@@ -63,8 +73,8 @@ class GoodnessOfFit:
     p_value, p_value_lower : float or None
         Upper and lower tail of chi2; only where sigma is known.
     f_p_value : float or None
-        F test of the dropped orders against the highest one; only where sigma is
-        not known.
+        Where sigma is not known: F test of lack of fit against replicates (Draper &
+        Smith 1998, 2.1), or of the dropped orders against the highest one.
     """
 
     chi2: float | None
@@ -96,6 +106,12 @@ def goodness_of_fit(
     p = p_lower = f_p = None
     if reference.source == "known" and chi2 is not None and dof > 0:
         p, p_lower = float(chdtrc(dof, chi2)), float(chdtr(dof, chi2))
+    if reference.source == "replicates" and reference.value and reference.dof:
+        lacking = dof - reference.dof
+        if lacking > 0:
+            pure = reference.dof * reference.value**2
+            f = (fit.rss - pure) / lacking / reference.value**2
+            f_p = float(fdtrc(lacking, reference.dof, max(f, 0.0)))
     if reference.source == "highest-order" and reference.value and fit.order < highest.order:
         dropped = highest.order - fit.order
         f = (fit.rss - highest.rss) / dropped / reference.value**2
@@ -109,36 +125,3 @@ def goodness_of_fit(
         p_lower,
         f_p,
     )
-
-
-@dataclass(frozen=True)
-class Scatter:
-    """Spread of the pixels among points that share the axis's regressor.
-
-    It is pure error plus the dependence on everything else that differs, so it
-    bounds the noise from above.
-
-    Attributes
-    ----------
-    sigma : float or None
-        px; None where no two points share a regressor.
-    dof : int
-    """
-
-    sigma: float | None
-    dof: int
-
-
-def scatter(data: AxisData) -> Scatter:
-    """Pooled spread within groups of equal regressor (to 1e-9 of the domain)."""
-    order = np.argsort(data.x, kind="stable")
-    x, t = data.x[order], data.t[order]
-    new = np.append(True, np.diff(x) > SAME_REGRESSOR * (x[-1] - x[0]))
-    group = np.cumsum(new) - 1
-    dof = len(x) - int(group[-1]) - 1
-    if dof == 0:
-        return Scatter(None, 0)
-    weights: Array = np.ones(len(x))
-    means = np.bincount(group, t * weights) / np.bincount(group, weights)
-    rss = float(((t - means[group]) ** 2).sum())
-    return Scatter(math.sqrt(rss / dof), dof)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bayescal.comparison.adequacy import AdequacyTest
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.defence import Defence
-from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma, Scatter
+from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
 from bayescal.comparison.verdict import AxisVerdict
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.posterior import Posterior
@@ -71,12 +72,16 @@ class AxisComparison:
     prior : PriorRule
     reference : ReferenceSigma
         What chi-squared is measured in.
-    scatter : Scatter
+    scatter : tuple
+        Spread of points that share this regressor, px (None where none do), and its
+        degrees of freedom: noise plus what the regressor does not explain.
     orders : tuple of OrderResult
         Ascending.
     verdict : AxisVerdict
     defence : Defence or None
         Answers to a referee, where they were asked for.
+    adequacy : tuple of AdequacyTest
+        Of the recommended order, where a defence was asked for.
     """
 
     data: AxisData
@@ -84,10 +89,11 @@ class AxisComparison:
     noise_source: str
     prior: PriorRule
     reference: ReferenceSigma
-    scatter: Scatter
+    scatter: tuple[float | None, int]
     orders: tuple[OrderResult, ...]
     verdict: AxisVerdict
     defence: Defence | None = None
+    adequacy: tuple[AdequacyTest, ...] = ()
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:

@@ -60,7 +60,9 @@ class LinearModel:
     def names(self) -> tuple[str, ...]:
         """Names of the reported parameters: coefficients, then sigma, then tau."""
         coefficients = tuple(f"{self.symbol}_{j}" for j in range(self.size))
-        return coefficients + ("sigma",) * self.infers_sigma + ("tau",) * self.infers_tau
+        return (
+            coefficients + (self.noise.parameter,) * self.infers_sigma + ("tau",) * self.infers_tau
+        )
 
     @cached_property
     def reduced(self) -> Reduced:

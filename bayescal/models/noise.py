@@ -12,6 +12,9 @@ SIGMA_BOUNDS = (0.01, 1000.0)
 # The same as fractions of the span of y, where y is not a pixel: 0.01 and 1000 of 1920.
 SPAN_BOUNDS = (0.01 / 1920, 1000.0 / 1920)
 
+# Bounds of an inferred factor on known deviations.
+SCALE_BOUNDS = (0.01, 100.0)
+
 
 @dataclass(frozen=True)
 class NoiseLevel:
@@ -20,17 +23,22 @@ class NoiseLevel:
     Attributes
     ----------
     source : str
-        ``"known"`` or ``"inferred"``.
+        ``"known"``, ``"replicates"``, ``"inferred"``, or ``"scale"``: a factor on the
+        points' own deviations, inferred.
     value : float or None
-        Known sigma of every point, px; with known deviations per point it is
-        the factor 1 on them; None where sigma is inferred.
+        Sigma of every point, px; with known deviations per point it is the factor 1
+        on them; None where it is inferred.
     bounds : tuple of float or None
-        Bounds of an inferred sigma, px; ln sigma is uniform between them.
+        Bounds of an inferred sigma, px (of a scale: a factor); its logarithm is
+        uniform between them.
+    dof : int or None
+        Degrees of freedom of a sigma from replicates.
     """
 
     source: str
     value: float | None
     bounds: tuple[float, float] | None
+    dof: int | None = None
 
     @classmethod
     def known(cls, sigma: float) -> NoiseLevel:
@@ -49,6 +57,21 @@ class NoiseLevel:
     def inferred(cls, bounds: tuple[float, float] = SIGMA_BOUNDS) -> NoiseLevel:
         """Sigma inferred, ln sigma uniform between bounds, px."""
         return cls("inferred", None, bounds)
+
+    @classmethod
+    def replicates(cls, sigma: float, dof: int) -> NoiseLevel:
+        """Sigma from the spread of true replicates, px."""
+        return cls("replicates", sigma, None, dof)
+
+    @classmethod
+    def scale(cls) -> NoiseLevel:
+        """Infer a factor on the points' own deviations."""
+        return cls("scale", None, SCALE_BOUNDS)
+
+    @property
+    def parameter(self) -> str:
+        """Name of the inferred parameter."""
+        return "scale" if self.source == "scale" else "sigma"
 
     @property
     def log_bounds(self) -> tuple[float, float]:

@@ -28,8 +28,8 @@ def defence_view(axis: AxisComparison) -> RenderableType:
         _prediction_table(axis, defence),
     ]
     lines = [
-        "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. PSIS: "
-        "the same from the draws, with its Monte Carlo error; Pareto k above 0.7 makes that check "
+        "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
+        "PSIS: the same from the draws, with its Monte Carlo error; Pareto k above 0.7 makes that check "
         "unreliable for the point."
     ]
     if len(axis.data) < SMALL_SAMPLE:

@@ -32,3 +32,10 @@ def significant(value: float, digits: int = 2) -> str:
     if not -6 <= places <= 8:
         return f"{value:.{digits - 1}e}"
     return f"{round(value, places):.{max(places, 0)}f}"
+
+
+def plain(value: float, places: int = 1) -> str:
+    """Format a number with fixed decimals, or with an exponent where they would not serve."""
+    if value == 0 or 10**-places <= abs(value) < 1e5:
+        return f"{value:.{places}f}"
+    return f"{value:.1e}"

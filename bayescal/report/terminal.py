@@ -123,11 +123,16 @@ def _prior_words(axis: AxisComparison) -> str:
 
 def _footnotes(axis: AxisComparison) -> list[RenderableType]:
     reference, lines = axis.reference, []
-    if axis.data.sd is not None:
+    if axis.data.sd is not None and reference.source == "known":
         lines.append("chi2 uses the points' own deviations; p chi2 is its upper tail.")
     elif reference.source == "known":
         lines.append(
             f"chi2 uses the known sigma, {reference.value:g} px; p chi2 is its upper tail."
+        )
+    elif reference.source == "replicates":
+        lines.append(
+            f"chi2 uses sigma = {significant(reference.value or 0.0, 3)} px from replicates "
+            f"({reference.dof} dof); p F: lack of fit against them."
         )
     elif reference.value is not None:
         highest = axis.orders[-1].order
@@ -150,10 +155,11 @@ def _footnotes(axis: AxisComparison) -> list[RenderableType]:
     ]
     if best:
         lines.append(f"Smallest {', '.join(best)}; dAIC, dAICc, dBIC are above these.")
-    if axis.scatter.sigma is not None:
+    spread, dof = axis.scatter
+    if spread is not None:
         lines.append(
-            f"Points that share {axis.data.regressor} scatter by {axis.scatter.sigma:.2f} px "
-            f"({axis.scatter.dof} dof): noise plus what {axis.data.regressor} does not explain."
+            f"Points that share {axis.data.regressor} scatter by {spread:.2f} px "
+            f"({dof} dof): noise plus what {axis.data.regressor} does not explain."
         )
     return [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
 

@@ -1,0 +1,84 @@
+"""The size of the residuals against a known sigma and against whole pixels."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.special import chdtr, chdtrc
+
+from bayescal.comparison.adequacy.outcome import AdequacyTest, p_words, untested
+from bayescal.comparison.adequacy.problem import Problem
+
+# Standard deviation of rounding to whole pixels, px: that of a uniform of width 1.
+PIXEL_FLOOR = 1 / math.sqrt(12)
+# At less than twice the floor rounding makes up a quarter of the variance.
+NEAR = 2.0
+
+
+def chi_squared(problem: Problem) -> AdequacyTest:
+    """chi2 test against a known sigma, two-sided (Andrae et al. 2010, arXiv:1012.3754).
+
+    The p-value is twice the smaller tail: a chi2 too small is as wrong as one too
+    large.
+    """
+    name = "chi2, known sigma"
+    sigma = problem.noise.value
+    if sigma is None:
+        return untested(name, "sigma is not known but taken from the same residuals")
+    dof = problem.fit.dof
+    if dof <= 0:
+        return untested(name, problem.unusable or "no residual is left")
+    chi2 = problem.rss / sigma**2
+    upper, lower = float(chdtrc(dof, chi2)), float(chdtr(dof, chi2))
+    p = min(1.0, 2 * min(upper, lower))
+    if p >= 0.05:
+        says = "as it should be"
+    elif upper < lower:
+        says = "the order is too low, sigma too small or errors are not all noise"
+    else:
+        says = "sigma is stated too large, or residuals are not independent of the fit"
+    return AdequacyTest(
+        name,
+        "chi2",
+        chi2,
+        (dof,),
+        p,
+        f"chi2/dof = {chi2 / dof:.3g}, expected 1 +- {math.sqrt(2 / dof):.2g}: {says} (upper "
+        f"tail {p_words(upper)}, lower tail {p_words(lower)}).",
+    )
+
+
+def whole_pixels(problem: Problem) -> AdequacyTest:
+    """Notice readings that are all whole numbers, which puts a floor under sigma."""
+    name = "whole-pixel readings"
+    t, unit = problem.data.t, problem.unit
+    if not (t == np.round(t)).all():
+        return untested(name, "readings are not all whole numbers")
+    if problem.data.sd is not None:
+        sigma = float(np.median(problem.data.sd)) * (problem.noise.value or 1.0)
+        whose = "the median known sigma"
+    elif problem.noise.value is not None:
+        sigma, whose = problem.noise.value, "the known sigma"
+    elif problem.fit.sigma_hat is not None:
+        sigma, whose = problem.fit.sigma_hat, "sigma of the residuals"
+    else:
+        return untested(name, "readings are whole numbers, but no residual is left to compare")
+    share = f"{100 * (PIXEL_FLOOR / sigma) ** 2:.0f} %" if sigma > PIXEL_FLOOR else "all"
+    near = sigma < NEAR * PIXEL_FLOOR
+    says = (
+        f"rounding makes up {share} of the variance, so that errors are neither normal nor "
+        "independent of the position within a pixel"
+        if near
+        else f"rounding makes up {share} of the variance and does not matter"
+    )
+    return AdequacyTest(
+        name,
+        "sigma / floor",
+        sigma / PIXEL_FLOOR,
+        None,
+        None,
+        f"All readings are whole numbers, which alone scatters them by 0.29 {unit}; {whose} is "
+        f"{sigma:.3g} {unit}: {says}.",
+        concern=near,
+    )

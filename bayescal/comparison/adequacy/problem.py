@@ -1,0 +1,222 @@
+"""A fitted order as its adequacy tests see it: an orthonormal design and residuals."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bayescal.arrays import Array, IntArray
+from bayescal.inference.least_squares import LeastSquaresFit
+from bayescal.models.basis import SAME_REGRESSOR, legendre_design
+from bayescal.models.linear import AxisData
+from bayescal.models.noise import NoiseLevel
+
+# A column that the design explains up to this fraction of its length adds nothing
+# that could be told from rounding.
+NEW_DIRECTION = 1e-9
+# A residual whose variance is below this fraction of sigma^2 is rounding only.
+DETERMINED = 1e-8
+
+
+@dataclass(frozen=True, eq=False)
+class Extension:
+    """What columns added to the design explain.
+
+    Attributes
+    ----------
+    rank : int
+        Directions that the design did not have.
+    gain : float
+        Fall of the residual sum of squares, weighted.
+    rss : float
+        What is left of it.
+    dof : int
+        Degrees of freedom left.
+    shift : Array
+        Change of the fitted values, ``(n_points,)``, weighted.
+    leverage : Array
+        Variance of `shift` at unit noise, ``(n_points,)``.
+    exact : bool
+        Whether what is left is rounding only.
+    """
+
+    rank: int
+    gain: float
+    rss: float
+    dof: int
+    shift: Array
+    leverage: Array
+    exact: bool
+
+    @property
+    def f(self) -> float:
+        """F statistic of the added columns (Draper & Smith 1998, 6.2)."""
+        return self.gain / self.rank / (self.rss / self.dof)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """An axis, its fit and its noise level; what is weighted is in units of `sd`.
+
+    Attributes
+    ----------
+    data : AxisData
+    fit : LeastSquaresFit
+    noise : NoiseLevel
+    """
+
+    data: AxisData
+    fit: LeastSquaresFit
+    noise: NoiseLevel
+
+    @property
+    def n(self) -> int:
+        """Number of points."""
+        return len(self.data)
+
+    @property
+    def p(self) -> int:
+        """Number of coefficients."""
+        return self.fit.order + 1
+
+    @property
+    def unit(self) -> str:
+        """Unit of the residuals."""
+        return "px" if self.data.axis in ("r", "c") else "units of y"
+
+    @cached_property
+    def sd(self) -> Array:
+        """Known deviations, or 1 for every point, ``(n_points,)``."""
+        return np.ones(self.n) if self.data.sd is None else self.data.sd
+
+    @cached_property
+    def s(self) -> Array:
+        """Regressor scaled to [-1, 1], ``(n_points,)``."""
+        return scaled(self.data.x)
+
+    @cached_property
+    def q(self) -> Array:
+        """Orthonormal basis of the weighted design, ``(n_points, p)``."""
+        design = legendre_design(self.s, self.fit.order) / self.sd[:, None]
+        return np.linalg.qr(design)[0]
+
+    def residual(self, columns: Array) -> Array:
+        """Part of weighted columns that the design does not explain."""
+        left = columns - self.q @ (self.q.T @ columns)
+        left -= self.q @ (self.q.T @ left)  # twice is enough (Kahan, in Parlett 1980, 6-9)
+        return left
+
+    @cached_property
+    def e(self) -> Array:
+        """Weighted residuals of the fit, ``(n_points,)``."""
+        return self.residual(self.data.t / self.sd)
+
+    @cached_property
+    def rss(self) -> float:
+        """Weighted residual sum of squares."""
+        return float(self.e @ self.e)
+
+    @cached_property
+    def rounding(self) -> float:
+        """Residual sum of squares below which a fit is exact: n (64 eps max|t|)^2."""
+        floor = 64 * np.finfo(float).eps * float(np.abs(self.data.t / self.sd).max())
+        return self.n * floor**2
+
+    @property
+    def exact(self) -> bool:
+        """Whether the residuals are rounding only."""
+        return self.fit.exact or self.rss <= self.rounding
+
+    @property
+    def unusable(self) -> str | None:
+        """Why the residuals can't be tested, or None."""
+        if self.fit.dof <= 0:
+            return f"{self.p} coefficients fit {self.n} points exactly, no residual is left"
+        if self.exact:
+            return "the fit is exact, the residuals are rounding only"
+        return None
+
+    @cached_property
+    def free(self) -> Array:
+        """Variance of the weighted residuals in units of sigma^2, 1 - leverage."""
+        return 1 - (self.q**2).sum(axis=1)
+
+    @cached_property
+    def usable(self) -> IntArray:
+        """Points whose residual the fit does not determine, as indices."""
+        return np.flatnonzero(self.free > DETERMINED)
+
+    @cached_property
+    def studentised(self) -> Array:
+        """Internally studentised residuals of the `usable` points (Cook & Weisberg 1982)."""
+        keep = self.usable
+        scale = np.sqrt(self.rss / self.fit.dof * self.free[keep])
+        return self.e[keep] / scale
+
+    def extend(self, columns: Array) -> Extension:
+        """Fit with columns added to the design, the full design refitted.
+
+        Parameters
+        ----------
+        columns : Array
+            ``(n_points, k)``, not weighted.
+        """
+        weighted = columns / self.sd[:, None]
+        lengths = np.linalg.norm(weighted, axis=0)
+        left = self.residual(weighted / np.where(lengths > 0, lengths, 1.0))
+        return extension(left, self.e, self.fit.dof, self.rounding)
+
+
+def extension(left: Array, e: Array, dof: int, rounding: float) -> Extension:
+    """Explain residuals by the new part of added columns, by orthogonal projection.
+
+    Parameters
+    ----------
+    left : Array
+        What a base model leaves of columns of unit length, ``(n_points, k)``.
+    e : Array
+        What it leaves of the pixels, ``(n_points,)``, weighted.
+    dof : int
+        Degrees of freedom of `e`.
+    rounding : float
+        Residual sum of squares that counts as none.
+    """
+    u, size, _ = np.linalg.svd(left, full_matrices=False)
+    u = u[:, size > NEW_DIRECTION]
+    found = u.T @ e
+    shift = u @ found
+    rest = e - shift
+    rss, rank = float(rest @ rest), u.shape[1]
+    leverage = (u**2).sum(axis=1)
+    return Extension(rank, float(found @ found), rss, dof - rank, shift, leverage, rss <= rounding)
+
+
+def other_name(regressor: str) -> str:
+    """Name of the regressor that the axis's polynomial leaves out."""
+    return {"x/z": "y/z", "y/z": "x/z"}.get(regressor, "other")
+
+
+def scaled(values: Array) -> Array:
+    """Map values to [-1, 1]; zeros where they are all the same up to rounding."""
+    low, high = float(values.min()), float(values.max())
+    if high - low <= 1e-12 * max(abs(low), abs(high)):
+        return np.zeros(len(values))
+    return (values - (low + (high - low) / 2)) / ((high - low) / 2)
+
+
+def clusters(values: Array) -> IntArray:
+    """Give a number to values that are the same to within 1e-9 of their span, from 0."""
+    order = np.argsort(values, kind="stable")
+    ordered = values[order]
+    rounding = 8 * np.finfo(float).eps * float(np.abs(values).max())
+    step = np.diff(ordered) > max(SAME_REGRESSOR * (ordered[-1] - ordered[0]), rounding)
+    numbers = np.empty(len(values), dtype=np.intp)
+    numbers[order] = np.concatenate([[0], np.cumsum(step)])
+    return numbers
+
+
+def renumbered(keys: IntArray) -> IntArray:
+    """Give distinct keys numbers from 0."""
+    return np.unique(keys, return_inverse=True)[1].astype(np.intp)

@@ -1,0 +1,142 @@
+"""What the user decides beside the data, and what follows from it for an axis."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.comparison.adequacy import pure_error
+from bayescal.errors import InputError
+from bayescal.models.linear import AxisData
+from bayescal.models.noise import SPAN_BOUNDS, NoiseLevel
+from bayescal.models.priors import PriorRule
+from bayescal.points.setup import StatedPrior
+from bayescal.report.rounding import significant
+
+DEFAULT_ORDERS = range(1, 6)
+DEFAULT_ESS = 4000
+HIGHEST_ORDER = 20
+SIGMA_WORDS = ("inferred", "replicates", "scale")
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """What the user decides beside the data.
+
+    Attributes
+    ----------
+    sigma : float or str or None
+        Known sigma, px; ``"inferred"``; ``"replicates"``: from their spread;
+        ``"scale"``: the file's deviations times an inferred factor; or None: the
+        file's deviations where it has them, else inferred.
+    prior : str or None
+        ``"field"``, ``"flat"`` or ``"stated"``; None: the setup's stated prior
+        where it has one, else field.
+    tau : float or None
+        Fixed tau of the field prior; None: inferred.
+    seed : int
+    ess : int
+        Effective samples wanted of every parameter.
+    defend : bool
+        Whether to answer a referee's questions too.
+    """
+
+    sigma: float | str | None = None
+    prior: str | None = None
+    tau: float | None = None
+    seed: int = 0
+    ess: int = DEFAULT_ESS
+    defend: bool = False
+
+    def __post_init__(self) -> None:
+        if isinstance(self.sigma, str) and self.sigma not in SIGMA_WORDS:
+            raise InputError(
+                f"sigma must be {', '.join(SIGMA_WORDS)} or a number of px, not {self.sigma!r}"
+            )
+        if not 100 <= self.ess <= 1_000_000:
+            raise InputError(f"ess must be from 100 to 1000000, not {self.ess}")
+        if self.seed < 0:
+            raise InputError(f"seed must not be negative, but is {self.seed}")
+
+
+def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
+    """Sort the orders wanted and refuse those out of range.
+
+    Raises
+    ------
+    InputError
+        Where there is none, or one is not from 1 to 20.
+    """
+    wanted = tuple(sorted({int(k) for k in orders}))
+    if not wanted:
+        raise InputError("no order is given; give at least one, such as 1-5")
+    if wanted[0] < 1 or wanted[-1] > HIGHEST_ORDER:
+        bad = wanted[0] if wanted[0] < 1 else wanted[-1]
+        raise InputError(f"order {bad} is out of range; orders go from 1 to {HIGHEST_ORDER}")
+    return wanted
+
+
+def noise_level(
+    data: AxisData, settings: Settings, other: Array | None
+) -> tuple[AxisData, NoiseLevel, str]:
+    """Choose the noise level of an axis.
+
+    Parameters
+    ----------
+    data : AxisData
+    settings : Settings
+    other : Array or None
+        The other axis's regressor, which replicates must share too.
+
+    Returns
+    -------
+    data : AxisData
+        With deviations only where they are used.
+    level : NoiseLevel
+    source : str
+        How the level was chosen, in words.
+
+    Raises
+    ------
+    InputError
+        Where the level asked for can't be had from these data.
+    """
+    wanted, has_own = settings.sigma, data.sd is not None
+    if wanted == "scale":
+        if not has_own:
+            raise InputError(
+                f"{data.source}: axis {data.axis}: sigma scale needs deviations to scale; add a "
+                f"column sigma_{data.axis}"
+            )
+        return data, NoiseLevel.scale(), "the points' own deviations times an inferred scale"
+    if wanted is None and has_own:
+        return data, NoiseLevel.known(1.0), "known per point, from the data"
+    ignored = "; the points' own deviations are not used, as asked" if has_own else ""
+    data = dataclasses.replace(data, sd=None)
+    if wanted == "replicates":
+        pure, dof = pure_error(data.x, other, data.t)
+        if not pure:
+            why = "do not differ" if dof else "don't exist: no two points share every regressor"
+            raise InputError(
+                f"{data.source}: axis {data.axis}: sigma can't come from replicates, which {why}; "
+                "state --sigma or leave it inferred"
+            )
+        words = f"{significant(pure, 3)} px, from replicates ({dof} dof), taken as known{ignored}"
+        return data, NoiseLevel.replicates(pure, dof), words
+    if isinstance(wanted, int | float):
+        return data, NoiseLevel.known(float(wanted)), f"known, {wanted:g} px{ignored}"
+    if data.axis == "y":
+        level = NoiseLevel.inferred((SPAN_BOUNDS[0] * data.size, SPAN_BOUNDS[1] * data.size))
+    else:
+        level = NoiseLevel.inferred()
+    return data, level, f"inferred{ignored}"
+
+
+def prior_rule(data: AxisData, settings: Settings, stated: StatedPrior | None) -> PriorRule:
+    """Choose the prior of an axis: as asked, else as the setup states, else field."""
+    default = "stated" if stated is not None and settings.tau is None else "field"
+    centre = data.size / 2 if data.size_known else float(data.t.min() + np.ptp(data.t) / 2)
+    return PriorRule(settings.prior or default, data.size, centre, settings.tau, stated)
