@@ -19,6 +19,7 @@ from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.comparison.verdict import judge
+from bayescal.comparison.world_units import WorldUnit, world_units
 from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
 from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, sample_posterior
@@ -40,7 +41,7 @@ class _Task:
     key: int  # of its random numbers
     orders: Sequence[int]
     other: Array | None = None
-    depth: Array | None = None
+    camera: Array | None = None
     stated: StatedPrior | None = None
     groups: Groups | None = None
     group_names: tuple[str, ...] | None = None
@@ -77,7 +78,7 @@ def analyse_points(
             AXES.index(axis),
             wanted,
             other=data["c" if axis == "r" else "r"].x,
-            depth=points.camera_frame()[:, 2],
+            camera=points.camera_frame(),
             stated=points.setup.priors.get(axis),
             groups=groups,
             group_names=points.groups,
@@ -114,7 +115,7 @@ def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) ->
 
 def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) -> AxisComparison:
     orders = task.orders
-    data, noise, noise_source = noise_level(task.data, settings, task.other)
+    data, noise, noise_source = noise_level(task.data, settings, task.other, orders[-1])
     rule = prior_rule(data, settings, task.stated)
     factors = factorise(data, orders[-1])
     priors = {k: rule.of_order(k) for k in orders}  # refuses a stated prior that is too short
@@ -188,14 +189,17 @@ def _defended(
         chosen.fit,
         plain.noise,
         task.other,
-        task.depth,
+        None if task.camera is None else task.camera[:, 2],
         task.group_names,
         draws.reshape(-1, draws.shape[2]),
         rng,
     )
     argued = argue(verdict, defence, len(data), data.size)
     argued = replace(argued, caveats=(*argued.caveats, *concerns(tests)))
-    return replace(plain, verdict=argued, defence=defence, adequacy=tests)
+    units: tuple[WorldUnit, ...] = ()
+    if task.camera is not None and data.x_sd is None:
+        units = world_units(data, chosen.fit, task.camera)
+    return replace(plain, verdict=argued, defence=defence, adequacy=tests, world_units=units)
 
 
 def _groups(points: Correspondences) -> Groups | None:

@@ -10,6 +10,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy import pure_error
 from bayescal.errors import InputError
+from bayescal.inference.effective_variance import with_effective_deviations
 from bayescal.models.linear import AxisData
 from bayescal.models.noise import SPAN_BOUNDS, NoiseLevel
 from bayescal.models.priors import PriorRule
@@ -80,7 +81,7 @@ def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
 
 
 def noise_level(
-    data: AxisData, settings: Settings, other: Array | None
+    data: AxisData, settings: Settings, other: Array | None, order: int
 ) -> tuple[AxisData, NoiseLevel, str]:
     """Choose the noise level of an axis.
 
@@ -90,6 +91,8 @@ def noise_level(
     settings : Settings
     other : Array or None
         The other axis's regressor, which replicates must share too.
+    order : int
+        The highest compared: its slope carries errors of world coordinates to pixels.
 
     Returns
     -------
@@ -104,6 +107,28 @@ def noise_level(
     InputError
         Where the level asked for can't be had from these data.
     """
+    pixels, level, source = _pixel_noise(data, settings, other)
+    if data.x_sd is None or not data.x_sd.any():
+        return pixels, level, source
+    if level.source == "inferred":
+        raise InputError(
+            f"{data.source}: axis {data.axis}: errors of the world coordinates need the noise of "
+            f"the pixels beside them; add --sigma PX or a column sigma_{data.axis}"
+        )
+    alone = pixels.sd if pixels.sd is not None else np.full(len(data), level.value)
+    combined = with_effective_deviations(pixels, alone, order)
+    source += "; with the errors of the world coordinates, as effective variances"
+    return (
+        combined,
+        NoiseLevel.scale() if level.source == "scale" else NoiseLevel.known(1.0),
+        source,
+    )
+
+
+def _pixel_noise(
+    data: AxisData, settings: Settings, other: Array | None
+) -> tuple[AxisData, NoiseLevel, str]:
+    """Noise level of the pixels alone."""
     wanted, has_own = settings.sigma, data.sd is not None
     if wanted == "scale":
         if not has_own:

@@ -7,6 +7,7 @@ import math
 
 from bayescal.comparison.defence import Defence, Prediction
 from bayescal.comparison.verdict import AxisVerdict, percent
+from bayescal.report.rounding import significant
 
 # Leave-one-out contradicts the verdict where its best is ahead by more than both.
 CLEAR_ELPD = 4.0
@@ -63,9 +64,10 @@ def _worth(defence: Defence) -> str:
     if not defence.worth:
         return ""
     parts = [
-        f"order {w.order} by at most {w.largest:.2g} px (sd {w.sd:.1g})" for w in defence.worth
+        f"order {w.order} by at most {significant(w.largest)} px (sd {significant(w.sd)})"
+        for w in defence.worth
     ]
-    return f"What the choice is worth: from its prediction differs {', '.join(parts)}."
+    return f"Over the domain its prediction differs from that of {', '.join(parts)}."
 
 
 def _tau(order: int, defence: Defence, size: float) -> str:
@@ -76,14 +78,14 @@ def _tau(order: int, defence: Defence, size: float) -> str:
         return "It wins at every fixed strength tau from 0.1% to 100% of the image."
     parts = [
         f"order {w.order} from {_share(w.lower)} to {_share(w.upper)} of the image "
-        f"({w.lower * size:.3g} to {w.upper * size:.3g} px)"
+        f"({significant(w.lower * size)} to {significant(w.upper * size)} px)"
         for w in wins
     ]
     return f"Were the strength tau fixed, the winner would be {', '.join(parts)}."
 
 
 def _share(tau: float) -> str:
-    return f"{100 * tau:.3g}%"
+    return f"{significant(100 * tau)}%"
 
 
 def _resampled(defence: Defence, order: int) -> str:

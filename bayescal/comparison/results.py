@@ -9,6 +9,7 @@ from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.defence import Defence
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
 from bayescal.comparison.verdict import AxisVerdict
+from bayescal.comparison.world_units import WorldUnit
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.posterior import Posterior
 from bayescal.models.linear import AxisData
@@ -82,6 +83,9 @@ class AxisComparison:
         Answers to a referee, where they were asked for.
     adequacy : tuple of AdequacyTest
         Of the recommended order, where a defence was asked for.
+    world_units : tuple of WorldUnit
+        What one unit of error in the world is worth, where a defence was asked for and
+        the world coordinates' errors are not stated.
     """
 
     data: AxisData
@@ -94,6 +98,7 @@ class AxisComparison:
     verdict: AxisVerdict
     defence: Defence | None = None
     adequacy: tuple[AdequacyTest, ...] = ()
+    world_units: tuple[WorldUnit, ...] = ()
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:

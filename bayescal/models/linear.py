@@ -37,6 +37,9 @@ class AxisData:
         Whether `size` is an image size.
     source : str
         Where the points came from, for messages.
+    x_sd : Array or None
+        Standard deviations of the regressor, ``(n_points,)``, where the world
+        coordinates have errors.
     """
 
     axis: str
@@ -49,6 +52,7 @@ class AxisData:
     size: float
     size_known: bool
     source: str
+    x_sd: Array | None = None
 
     def __len__(self) -> int:
         return len(self.x)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bayescal.arrays import frozen
+from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
 from bayescal.models.linear import AxisData, pixel_span
 from bayescal.points.correspondences import LARGEST, Correspondences
@@ -56,4 +56,15 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
         size=pixel_span(t) if size is None else size,
         size_known=size is not None,
         source=points.source,
+        x_sd=_regressor_deviations(points, column),
     )
+
+
+def _regressor_deviations(points: Correspondences, column: int) -> Array | None:
+    """First-order deviations of x/z or y/z from those of the world coordinates."""
+    sigma = points.world_sigma()
+    if sigma is None:
+        return None
+    camera = points.camera_frame()
+    depth = camera[:, 2]
+    return np.hypot(sigma[:, column] / depth, camera[:, column] * sigma[:, 2] / depth**2)

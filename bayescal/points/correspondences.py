@@ -9,11 +9,8 @@ import numpy as np
 
 from bayescal.arrays import Array, ArrayLike, frozen
 from bayescal.errors import InputError
-from bayescal.points.setup import Setup
-
-# Squares of numbers beyond this overflow a double somewhere downstream; no
-# world coordinate or pixel is that large in any unit.
-LARGEST = 1e100
+from bayescal.points.setup import AXES, LARGEST_PX, SMALLEST_PX, Setup
+from bayescal.points.setup import LARGEST as LARGEST
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +29,8 @@ class Correspondences:
     groups : tuple of str or None
         Which points share a cause of error.
     sigma : dict of str to Array
-        Known standard deviations by axis ("r", "c"), ``(n_points,)``, px.
+        Known standard deviations, ``(n_points,)``: of the pixels ("r", "c"), px, and of
+        the world coordinates ("x", "y", "z"), world units.
     setup : Setup
         Camera position, image size, direction of c, stated priors.
     source : str
@@ -63,6 +61,9 @@ class Correspondences:
         groups: tuple[str, ...] | None = None,
         sigma_r: ArrayLike | None = None,
         sigma_c: ArrayLike | None = None,
+        sigma_x: ArrayLike | None = None,
+        sigma_y: ArrayLike | None = None,
+        sigma_z: ArrayLike | None = None,
         setup: Setup | None = None,
     ) -> Correspondences:
         """Build correspondences from arrays.
@@ -76,7 +77,10 @@ class Correspondences:
         labels, groups : tuple of str, optional
             A name and a group per point.
         sigma_r, sigma_c : array_like, optional
-            Known standard deviations, ``(n_points,)``, px.
+            Known standard deviations of the pixels, ``(n_points,)``, px.
+        sigma_x, sigma_y, sigma_z : array_like, optional
+            Known standard deviations of the world coordinates, ``(n_points,)``, world
+            units; 0 where one is exact.
         setup : Setup, optional
             What is known of the camera; by default it stands at the origin and
             the image size is unknown.
@@ -90,21 +94,25 @@ class Correspondences:
         if w.ndim != 2 or w.shape[1] != 3:
             raise InputError(f"world must have shape (n_points, 3), not {w.shape}")
         n = len(w)
+        if n == 0:
+            raise InputError("there are no points; give at least two")
         if p.shape != (n, 2):
             raise InputError(f"pixels must have shape ({n}, 2) like world, not {p.shape}")
-        sigma = {a: frozen(s) for a, s in (("r", sigma_r), ("c", sigma_c)) if s is not None}
+        given = {"r": sigma_r, "c": sigma_c, "x": sigma_x, "y": sigma_y, "z": sigma_z}
+        sigma = {name: frozen(s) for name, s in given.items() if s is not None}
         names = one_line(labels) if labels is not None else ("",) * n
         names = tuple(name or str(i) for i, name in enumerate(names, 1))
         groups = one_line(groups) if groups is not None else None
         for what, values in [("labels", names), ("groups", groups), *sigma.items()]:
             if values is not None and len(values) != n:
                 raise InputError(f"{what} has {len(values)} entries for {n} points")
-        for what, array in [("world", w), ("pixels", p)]:
-            if not (np.abs(array) < LARGEST).all():
-                raise InputError(f"{what} holds a number that is NaN, infinite or above {LARGEST}")
-        for axis, sd in sigma.items():
-            if not ((sd > 0) & (sd < LARGEST)).all():
-                raise InputError(f"sigma_{axis} must be positive and finite")
+        for what, array, limit in [("world", w, LARGEST), ("pixels", p, LARGEST_PX)]:
+            if not (np.abs(array) < limit).all():
+                raise InputError(f"{what} holds a number that is NaN, infinite or above {limit:g}")
+        for name, sd in sigma.items():
+            low, high = (SMALLEST_PX, LARGEST_PX) if name in AXES else (0.0, LARGEST)
+            if not ((sd >= low) & (sd <= high)).all():
+                raise InputError(f"sigma_{name} must be from {low:g} to {high:g} throughout")
         digest = hashlib.sha256()
         for array in (w, p, *(sigma[a] for a in sorted(sigma))):
             digest.update(array.tobytes())
@@ -130,6 +138,20 @@ class Correspondences:
             assert self.setup.height is not None, "Setup refuses c_from_bottom without a height"
             return self.setup.height - c
         return c
+
+    def world_sigma(self) -> Array | None:
+        """Give the standard deviations of x, y, z, ``(n_points, 3)``, world units; None if unknown.
+
+        A column of the points goes before the setup's value for all of them.
+        """
+        stated = self.setup.world_sigma
+        if stated is None and not any(name in self.sigma for name in "xyz"):
+            return None
+        columns = [
+            self.sigma.get(name, np.full(len(self), stated[i] if stated is not None else 0.0))
+            for i, name in enumerate("xyz")
+        ]
+        return np.column_stack(columns)
 
     def causes(self) -> tuple[str, tuple[str, ...]]:
         """Which points share a cause of error: the column `group`, else a plane of z.

@@ -12,11 +12,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bayescal.errors import InputError
-from bayescal.points.correspondences import LARGEST, Correspondences
-from bayescal.points.setup import AXES, Setup, load_setup, reason
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import AXES, LARGEST, LARGEST_PX, SMALLEST_PX, Setup, load_setup
+from bayescal.points.text import decode, quoted, reason
 
 REQUIRED = ("x", "y", "z", "r", "c")
-SIGMAS = ("sigma_r", "sigma_c")
+PIXEL_SIGMAS = ("sigma_r", "sigma_c")
+WORLD_SIGMAS = ("sigma_x", "sigma_y", "sigma_z")
+SIGMAS = PIXEL_SIGMAS + WORLD_SIGMAS
 TEXTS = ("label", "group")
 KNOWN = (*REQUIRED, *TEXTS, *SIGMAS)
 
@@ -36,8 +39,9 @@ def load(source: str | Path, setup: Setup | str | Path | None = None) -> Corresp
     ----------
     source : str or Path
         The file, or ``"-"`` for standard input. Columns ``x, y, z, r, c`` and
-        optionally ``label, group, sigma_r, sigma_c`` in any order and case;
-        lines that start with ``#`` are comments. UTF-8, with or without a BOM.
+        optionally ``label, group``, ``sigma_r, sigma_c`` (px) and ``sigma_x, sigma_y,
+        sigma_z`` (world units), in any order and case; lines that start with ``#`` are
+        comments. UTF-8, with or without a BOM.
     setup : Setup or str or Path, optional
         What is known of the camera, or the TOML file that says it.
 
@@ -51,14 +55,7 @@ def load(source: str | Path, setup: Setup | str | Path | None = None) -> Corresp
         Where the file can't be used; the message names its line.
     """
     name, raw = _read_bytes(source)
-    if b"\0" in raw:
-        raise InputError(f"{name}: is a binary file; give comma- or tab-separated text")
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = raw.count(b"\n", 0, error.start) + 1
-        raise InputError(f"{name}:{line}: is not UTF-8 text; save the file as UTF-8") from None
-    rows = list(_rows(name, text))
+    rows = list(_rows(name, decode(name, raw)))
     if not rows:
         raise InputError(f"{name}: there are no points below the header; add at least two")
     columns = {column: [row.fields[column] for row in rows] for column in rows[0].fields}
@@ -73,8 +70,7 @@ def load(source: str | Path, setup: Setup | str | Path | None = None) -> Corresp
         list(zip(*(numbers[c] for c in "rc"), strict=True)),
         labels=tuple(columns["label"]) if "label" in columns else None,
         groups=tuple(columns["group"]) if "group" in columns else None,
-        sigma_r=numbers.get("sigma_r"),
-        sigma_c=numbers.get("sigma_c"),
+        **{column: numbers[column] for column in SIGMAS if column in numbers},
         setup=camera,
     )
     return Correspondences(
@@ -92,6 +88,8 @@ def load(source: str | Path, setup: Setup | str | Path | None = None) -> Corresp
 
 def _read_bytes(source: str | Path) -> tuple[str, bytes]:
     if str(source) == "-":
+        if sys.stdin is None:  # closed by the shell
+            raise InputError("standard input: is closed; pipe the points in or name a file")
         return "standard input", sys.stdin.buffer.read()
     try:
         return str(source), Path(source).read_bytes()
@@ -124,13 +122,15 @@ def _records(name: str, text: str) -> Iterator[tuple[int, list[str]]]:
     first = next((line for line in kept if line.strip()), "")
     delimiter = "\t" if "\t" in first else ","
     reader = csv.reader((line + "\n" for line in kept), delimiter=delimiter, strict=True)
+    start = 1  # of the record: a quoted field may go on over several lines
     try:
         for record in reader:
             fields = [f.strip() for f in record]
             if any(fields):
-                yield reader.line_num, fields
+                yield start, fields
+            start = reader.line_num + 1
     except csv.Error as error:
-        raise InputError(f"{name}:{reader.line_num}: {error}; mend the line's quotes") from None
+        raise InputError(f"{name}:{start}: {error}; mend the line's quotes") from None
 
 
 def _header(name: str, line: int, fields: list[str]) -> list[str]:
@@ -138,9 +138,11 @@ def _header(name: str, line: int, fields: list[str]) -> list[str]:
     where = f"{name}:{line}"
     if len(header) == 1 and ";" in header[0]:
         raise InputError(f"{where}: columns are separated by ';'; use commas or tabs")
+    seen: set[str] = set()
     for column in header:
-        if header.count(column) > 1:
-            raise InputError(f"{where}: column '{column}' stands twice; keep one")
+        if column in seen:
+            raise InputError(f"{where}: column {quoted(column)} stands twice; keep one")
+        seen.add(column)
     missing = [c for c in REQUIRED if c not in header]
     if missing:
         raise InputError(
@@ -150,7 +152,8 @@ def _header(name: str, line: int, fields: list[str]) -> list[str]:
     for column in header:
         if column not in KNOWN:
             raise InputError(
-                f"{where}: unknown column '{column}'; remove it or use one of {', '.join(KNOWN)}"
+                f"{where}: unknown column {quoted(column)}; remove it or use one of "
+                f"{', '.join(KNOWN)}"
             )
     return header
 
@@ -161,14 +164,20 @@ def _number(name: str, row: _Row, column: str) -> float:
     try:
         value = float("not a number" if "_" in text else text)
     except ValueError:
-        shown = repr(text) if len(text) <= 40 else repr(text[:40]) + "..."
-        raise InputError(f"{where}: {shown} where a number should be; mend it") from None
+        raise InputError(f"{where}: {quoted(text)} where a number should be; mend it") from None
     if not math.isfinite(value):
-        raise InputError(f"{where}: is {text}; every point needs finite numbers")
+        raise InputError(f"{where}: is {value:g}; every point needs finite numbers")
+    if column in WORLD_SIGMAS and value < 0:
+        raise InputError(f"{where}: is {value:g}; a standard deviation can't be negative")
+    if column in PIXEL_SIGMAS and not SMALLEST_PX <= value <= LARGEST_PX:
+        raise InputError(
+            f"{where}: is {value:g}; a standard deviation must be positive, from {SMALLEST_PX:g} "
+            f"to {LARGEST_PX:g} px"
+        )
+    if column in "rc" and abs(value) >= LARGEST_PX:
+        raise InputError(f"{where}: is {value:g}; no pixel is that far out; mend it")
     if abs(value) >= LARGEST:
-        raise InputError(f"{where}: {text} is too large; use other units")
-    if column in SIGMAS and value <= 0:
-        raise InputError(f"{where}: is {text}; a standard deviation must be positive")
+        raise InputError(f"{where}: is {value:g}, too large; use other units")
     return value
 
 

@@ -2,7 +2,8 @@
 
 A setup file has the tables ``[camera]`` (position), ``[image]`` (width, height,
 c_from_bottom, assumed) and, where the user states their own priors,
-``[prior.r]`` and ``[prior.c]`` (mean, sd: px, one entry per Legendre amplitude).
+``[prior.r]`` and ``[prior.c]`` (mean, sd: px, one entry per Legendre amplitude); where
+the world coordinates have errors, ``[world]`` (sigma: of x, y, z, world units).
 """
 
 from __future__ import annotations
@@ -10,22 +11,32 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from bayescal.errors import InputError
+from bayescal.points.text import decode, reason
 
 AXES = ("r", "c")
 _KEYS = {
-    "": {"camera", "image", "prior"},
+    "": {"camera", "image", "prior", "world"},
     "camera": {"position"},
     "image": {"width", "height", "c_from_bottom", "assumed"},
     "prior": set(AXES),
+    "world": {"sigma"},
     "prior.r": {"mean", "sd"},
     "prior.c": {"mean", "sd"},
 }
+# Where a setup's value stands in the file, if not in [image] under its own name.
+PLACES = {"position": "camera.position", "world_sigma": "world.sigma"}
 _ASSUMABLE = ("position", "width", "height", "c_from_bottom")
+# Squares of numbers beyond this overflow a double somewhere downstream; no world
+# coordinate is that large in any unit.
+LARGEST = 1e100
+# What a pixel may be, and how finely one can be known: beyond these no double tells
+# a residual from rounding.
+LARGEST_PX, SMALLEST_PX = 1e9, 1e-6
 
 
 @dataclass(frozen=True)
@@ -46,10 +57,10 @@ class StatedPrior:
             raise InputError(
                 f"mean has {len(self.mean)} entries and sd {len(self.sd)}; give both for each b_j"
             )
-        if not all(math.isfinite(m) for m in self.mean):
-            raise InputError("every mean must be finite")
-        if not all(math.isfinite(s) and s > 0 for s in self.sd):
-            raise InputError("every sd must be positive and finite")
+        if not all(abs(m) <= LARGEST_PX for m in self.mean):
+            raise InputError(f"every mean must be finite and at most {LARGEST_PX:g} px")
+        if not all(SMALLEST_PX <= s <= LARGEST_PX for s in self.sd):
+            raise InputError(f"every sd must be from {SMALLEST_PX:g} to {LARGEST_PX:g} px")
 
 
 @dataclass(frozen=True)
@@ -68,6 +79,8 @@ class Setup:
         Which of these are assumptions rather than the source's statement.
     priors : dict of str to StatedPrior
         The user's own priors by axis.
+    world_sigma : tuple of float or None
+        Standard deviations of the world coordinates x, y, z, world units.
     """
 
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -76,13 +89,18 @@ class Setup:
     c_from_bottom: bool = False
     assumed: tuple[str, ...] = ()
     priors: dict[str, StatedPrior] = field(default_factory=dict)
+    world_sigma: tuple[float, float, float] | None = None
 
     def __post_init__(self) -> None:
-        if not all(math.isfinite(v) for v in self.position):
-            raise InputError("the camera position must be three finite numbers")
+        if not all(abs(v) < LARGEST for v in self.position):
+            raise InputError(
+                f"the camera position must be three finite numbers below {LARGEST:g}; mend it"
+            )
         for name, size in (("width", self.width), ("height", self.height)):
-            if size is not None and not (math.isfinite(size) and 0 < size < 1e9):
-                raise InputError(f"image {name} must be a positive number of px, not {size}")
+            if size is not None and not 1 <= size <= LARGEST_PX:
+                raise InputError(f"image {name} must be from 1 to {LARGEST_PX:g} px, not {size:g}")
+        if self.world_sigma is not None and not all(0 <= s < LARGEST for s in self.world_sigma):
+            raise InputError("deviations of x, y, z must be finite and not negative")
         if self.c_from_bottom and self.height is None:
             raise InputError("c counted from the bottom needs the image height; give it")
 
@@ -105,33 +123,27 @@ def load_setup(path: str | Path) -> Setup:
         Where the file can't be read, is not TOML, or has an unknown key or a
         value of the wrong kind; the message names the line.
     """
+    name = str(path)
     try:
-        text = Path(path).read_bytes().decode("utf-8-sig")
+        raw = Path(path).read_bytes()
     except (OSError, ValueError) as error:
-        raise InputError(f"{path}: {reason(error)}; give a TOML setup file") from None
+        raise InputError(f"{name}: {reason(error)}; give a TOML setup file") from None
+    text = decode(name, raw)
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML: {_one_line(error)}") from None
-    parser = _Parser(str(path), text, document)
-    return parser.setup()
+        raise InputError(_not_toml(name, text, str(error))) from None
+    except (RecursionError, ValueError):  # ValueError: more digits than Python converts
+        raise InputError(f"{name}: nested too deeply, or a number too long; mend it") from None
+    return _Parser(name, text, document).setup()
 
 
-def reason(error: Exception) -> str:
-    """Say in a few words why a file could not be read."""
-    if isinstance(error, IsADirectoryError):
-        return "is a directory"
-    if isinstance(error, FileNotFoundError):
-        return "there is no such file"
-    if isinstance(error, UnicodeDecodeError):
-        return f"is not UTF-8 text (byte {error.start})"
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror.lower()
-    return _one_line(error)
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())
+def _not_toml(name: str, text: str, message: str) -> str:
+    """Say what is not TOML, with the line first as everywhere."""
+    what, _, place = message.partition(" (at ")
+    found = re.match(r"line (\d+)", place)
+    line = int(found[1]) if found else text.rstrip().count("\n") + 1
+    return f"{name}:{line}: is not valid TOML: {what}; mend it"
 
 
 class _Parser:
@@ -141,12 +153,25 @@ class _Parser:
         self.path, self.text, self.document = path, text, document
 
     def fail(self, key: str, what: str) -> InputError:
-        leaf = re.escape(key.rsplit(".", 1)[-1])
-        pattern = re.compile(rf"^\s*(\[.*\b{leaf}\s*\]|[\w.\"' -]*\b{leaf}[\"']?\s*=)")
-        for number, line in enumerate(self.text.splitlines(), 1):
-            if pattern.match(line):
-                return InputError(f"{self.path}:{number}: {key}: {what}")
-        return InputError(f"{self.path}: {key}: {what}")
+        return InputError(f"{self.place(key)}: {key}: {what}")
+
+    def place(self, key: str) -> str:
+        """File and line of a key, or of the table nearest to it."""
+        table, nearest = "", None
+        for number, line in enumerate(self.text.split("\n"), 1):
+            header = re.match(r"\s*\[\[?([^\[\]]*)\]", line)
+            assigned = re.match(r"([^=#]*)=", line)
+            if header:
+                here = table = _normal(header[1])
+            elif assigned:
+                here = _normal(f"{table}.{assigned[1]}" if table else assigned[1])
+            else:
+                continue
+            if here == key:
+                return f"{self.path}:{number}"
+            if key.startswith(f"{here}.") or here.startswith(f"{key}."):
+                nearest = number
+        return self.path if nearest is None else f"{self.path}:{nearest}"
 
     def table(self, key: str) -> dict[str, Any]:
         node: Any = self.document
@@ -166,10 +191,11 @@ class _Parser:
             raise self.fail(key, "must be a list of numbers")
         if count is not None and len(values) != count:
             raise self.fail(key, f"must have {count} numbers, not {len(values)}")
-        return tuple(float(v) for v in values)
+        return tuple(_float(v) for v in values)
 
     def setup(self) -> Setup:
         self.table("")
+        found = Setup(priors={axis: self.prior(axis) for axis in self.table("prior")})
         camera, image = self.table("camera"), self.table("image")
         given: dict[str, Any] = {}
         if "position" in camera:
@@ -178,7 +204,7 @@ class _Parser:
             if name in image:
                 if not _is_number(image[name]):
                     raise self.fail(f"image.{name}", "must be a number of px")
-                given[name] = float(image[name])
+                given[name] = _float(image[name])
         if "c_from_bottom" in image:
             if not isinstance(image["c_from_bottom"], bool):
                 raise self.fail("image.c_from_bottom", "must be true or false")
@@ -190,25 +216,39 @@ class _Parser:
                     "image.assumed", f"must be a list of names among {', '.join(_ASSUMABLE)}"
                 )
             given["assumed"] = tuple(assumed)
-        given["priors"] = {axis: self.prior(axis) for axis in self.table("prior")}
-        try:
-            return Setup(**given)
-        except InputError as error:
-            raise InputError(f"{self.path}: {error}") from None
+        world = self.table("world")
+        if "sigma" in world:
+            given["world_sigma"] = self.numbers(world, "world.sigma", 3)
+        for name, value in given.items():  # one by one, so that a complaint has its line
+            try:
+                found = replace(found, **{name: value})
+            except InputError as error:
+                key = PLACES.get(name, f"image.{name}")
+                raise InputError(f"{self.place(key)}: {error}") from None
+        return found
 
     def prior(self, axis: str) -> StatedPrior:
         key = f"prior.{axis}"
         table = self.table(key)
+        mean, sd = (self.numbers(table, f"{key}.{name}", None) for name in ("mean", "sd"))
         try:
-            return StatedPrior(
-                self.numbers(table, f"{key}.mean", None), self.numbers(table, f"{key}.sd", None)
-            )
+            return StatedPrior(mean, sd)
         except InputError as error:
-            message = str(error)
-            if message.startswith(self.path):
-                raise
-            raise self.fail(key, message) from None
+            raise self.fail(key, str(error)) from None
 
 
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _float(value: float) -> float:
+    """Convert a number; an integer beyond every double becomes infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+def _normal(key: str) -> str:
+    """Bring a key as written in TOML to the form a.b.c."""
+    return ".".join(part.strip(" \t\"'") for part in key.split("."))

@@ -14,6 +14,7 @@ from bayescal.comparison.defence import Defence
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.stability import Bootstrap, Removal, joint_probabilities
 from bayescal.comparison.verdict import percent
+from bayescal.report.rounding import significant
 from bayescal.report.tables import start_table
 
 
@@ -29,8 +30,8 @@ def defence_view(axis: AxisComparison) -> RenderableType:
     ]
     lines = [
         "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
-        "PSIS: the same from the draws, with its Monte Carlo error; Pareto k above 0.7 makes that check "
-        "unreliable for the point."
+        "PSIS: the same from the draws, with its Monte Carlo error; Pareto k above 0.7 makes that "
+        "check unreliable for the point."
     ]
     if len(axis.data) < SMALL_SAMPLE:
         lines.append(
@@ -45,7 +46,23 @@ def defence_view(axis: AxisComparison) -> RenderableType:
     parts += [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
     if defence.resampled:
         parts.append(_stability_table(axis, defence))
+    parts += [Padding(Text(line), (0, 0, 0, 2)) for line in _world_lines(axis)]
     return Group(*parts)
+
+
+def _world_lines(axis: AxisComparison) -> list[str]:
+    if not axis.world_units:
+        return []
+    first = axis.world_units[0]
+    parts = [
+        f"in {u.coordinate} {significant(u.nearest)} px and {significant(u.median)} px"
+        for u in axis.world_units
+    ]
+    return [
+        "Errors of the world coordinates are not stated. One unit of error is worth, at the "
+        f"nearest point ({first.nearest_point}) and at the one of median depth "
+        f"({first.median_point}): {'; '.join(parts)}."
+    ]
 
 
 def _prediction_table(axis: AxisComparison, defence: Defence) -> RenderableType:

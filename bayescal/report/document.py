@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import platform
+from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib.metadata import version
 from importlib.resources import files
@@ -15,8 +16,10 @@ from bayescal.comparison.defence import Prediction
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary
 from bayescal.models.priors import TAU_BOUNDS, PriorRule
-from bayescal.points.correspondences import Correspondences
+from bayescal.report.adequacy import adequacy_rows
 from bayescal.report.defence import defence_document
+from bayescal.report.facts import dumps as dumps
+from bayescal.report.facts import points_facts
 
 PREDICTION = (
     "elpd_loo",
@@ -70,11 +73,6 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
     }
 
 
-def dumps(found: dict[str, Any]) -> str:
-    """Format a result document as JSON text; refuses NaN."""
-    return json.dumps(found, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
-
-
 def schema() -> dict[str, Any]:
     """JSON Schema of the result document."""
     text = files("bayescal.report").joinpath("result.schema.json").read_text(encoding="utf-8")
@@ -94,20 +92,6 @@ def _data(comparison: Comparison) -> dict[str, Any]:
             "camera_position": None,
         }
     return points_facts(points)
-
-
-def points_facts(points: Correspondences) -> dict[str, Any]:
-    """What a result document says of the points and the camera."""
-    setup = points.setup
-    return {
-        "source": points.source,
-        "sha256": points.sha256,
-        "n_points": len(points),
-        "image": {"width_px": setup.width, "height_px": setup.height},
-        "camera_position": list(setup.position),
-        "c_from_bottom": setup.c_from_bottom,
-        "assumed": list(setup.assumed),
-    }
 
 
 def _axis(axis: AxisComparison) -> dict[str, Any]:
@@ -144,6 +128,8 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
             "text": verdict.text,
         },
         "defence": None if axis.defence is None else defence_document(axis.defence),
+        "world_units": [asdict(u) for u in axis.world_units] or None,
+        "adequacy": adequacy_rows(axis.adequacy) if axis.adequacy else None,
     }
 
 

@@ -2,40 +2,19 @@
 
 from __future__ import annotations
 
-import io
-
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
+from bayescal.comparison.adequacy import concerns
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.models.priors import TAU_BOUNDS
+from bayescal.report.adequacy import adequacy_view
 from bayescal.report.defence import defence_view, joint_view
+from bayescal.report.render import WIDTH as WIDTH
+from bayescal.report.render import render as render
 from bayescal.report.rounding import significant
 from bayescal.report.tables import coefficients_table, exact_table, facts, orders_table
-
-WIDTH = 100
-
-
-def render(view: RenderableType, *, terminal: bool) -> str:
-    """Render a view as text, 100 columns wide, without trailing blanks.
-
-    Parameters
-    ----------
-    view : rich.console.RenderableType
-    terminal : bool
-        Whether to use bold type.
-    """
-    console = Console(
-        width=WIDTH,
-        highlight=False,
-        force_terminal=terminal,
-        file=io.StringIO(),
-        legacy_windows=False,
-    )
-    with console.capture() as captured:
-        console.print(view)
-    return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
 
 
 def comparison_view(comparison: Comparison) -> RenderableType:
@@ -43,7 +22,10 @@ def comparison_view(comparison: Comparison) -> RenderableType:
     parts: list[RenderableType] = [header(comparison)]
     for axis in comparison.axes.values():
         parts += [axis_title(axis), orders_table(axis), *_footnotes(axis), verdict_view(axis)]
-        parts += [defence_view(axis), coefficients_table(axis, axis.chosen), Text("")]
+        parts += [defence_view(axis)]
+        if axis.adequacy:
+            parts.append(adequacy_view(axis.adequacy, axis.chosen.order))
+        parts += [coefficients_table(axis, axis.chosen), Text("")]
     if all(axis.defence is not None for axis in comparison.axes.values()):
         if len(comparison.axes) == 2:
             parts += [joint_view(*comparison.axes.values()), Text("")]
@@ -172,7 +154,12 @@ def verdict_view(axis: AxisComparison) -> RenderableType:
 
 
 def _caveats(axis: AxisComparison) -> list[RenderableType]:
-    return [Padding(Text(f"caveat: {c}."), (0, 0, 0, 2)) for c in axis.verdict.caveats]
+    elsewhere = set(concerns(axis.adequacy))  # the block of adequacy says these
+    return [
+        Padding(Text(f"caveat: {c}."), (0, 0, 0, 2))
+        for c in axis.verdict.caveats
+        if c not in elsewhere
+    ]
 
 
 def sampling_line(comparison: Comparison) -> RenderableType:
