@@ -34,6 +34,7 @@ _EXPORTS = {
     "fit": "bayescal.api",
     "fit_polynomial": "bayescal.api",
     "least_squares": "bayescal.api",
+    "reproduce": "bayescal.reproduction",
 }
 
 __all__ = [
@@ -49,6 +50,7 @@ __all__ = [
     "least_squares",
     "load",
     "load_setup",
+    "reproduce",
     "save",
     "thesis",
 ]
@@ -67,6 +69,7 @@ if TYPE_CHECKING:
     from bayescal.points.reader import load
     from bayescal.points.setup import Setup, load_setup
     from bayescal.points.writer import save
+    from bayescal.reproduction import reproduce
 
 
 def __getattr__(name: str) -> Any:

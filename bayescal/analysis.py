@@ -28,7 +28,7 @@ from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES, StatedPrior
-from bayescal.settings import Settings, noise_level, prior_rule
+from bayescal.settings import Settings, check_resolved, noise_level, prior_rule
 
 Progress: TypeAlias = Callable[[str, int], None]
 
@@ -70,7 +70,9 @@ def analyse_points(
     """
     data = {axis: separable.axis_data(points, axis) for axis in AXES}
     for axis, wanted in orders.items():
-        data[axis].check(wanted[-1])  # refuse before anything is sampled
+        # Refuse before anything is sampled.
+        data[axis].check(wanted[-1])
+        prior_rule(data[axis], settings, points.setup.priors.get(axis)).of_order(wanted[-1])
     groups = _groups(points)
     tasks = {
         axis: _Task(
@@ -118,8 +120,9 @@ def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) ->
     data, noise, noise_source = noise_level(task.data, settings, task.other, orders[-1])
     rule = prior_rule(data, settings, task.stated)
     factors = factorise(data, orders[-1])
-    priors = {k: rule.of_order(k) for k in orders}  # refuses a stated prior that is too short
+    priors = {k: rule.of_order(k) for k in orders}
     fits = {k: solve(factors, k, noise.value) for k in orders}
+    check_resolved(data, noise, fits[orders[-1]])
     replicates = pure_error(data.x, task.other, data.t, data.sd)
     reference = reference_sigma(noise, fits[orders[-1]], replicates)
     models = {k: LinearModel(factors, k, noise, priors[k], data.symbol) for k in orders}
@@ -194,7 +197,7 @@ def _defended(
         draws.reshape(-1, draws.shape[2]),
         rng,
     )
-    argued = argue(verdict, defence, len(data), data.size)
+    argued = argue(verdict, defence, {r.order: r.criteria for r in plain.orders}, data.size)
     argued = replace(argued, caveats=(*argued.caveats, *concerns(tests)))
     units: tuple[WorldUnit, ...] = ()
     if task.camera is not None and data.x_sd is None:

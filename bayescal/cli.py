@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import io
 import os
+import re
 import shlex
 import sys
 from collections.abc import Callable, Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from bayescal import __version__
-from bayescal.commands import compare, fit
+from bayescal.commands import compare, fit, reproduce, simulate
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.errors import BayescalError
 
-COMMANDS = {"compare": compare, "fit": fit}
+COMMANDS = {"compare": compare, "fit": fit, "reproduce": reproduce, "simulate": simulate}
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line."""
+    """Says what is wrong in one line, and takes -1e3 for a number, not an option."""
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help\n")
+        self.exit(BAD_INPUT, f"{self.prog}: {_one_line(message)}; see {self.prog} --help\n")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -39,25 +46,59 @@ def main(arguments: Sequence[str] | None = None) -> int:
         or disagree with the closed form.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
-    options = _parser().parse_args(given)
-    options.command_line = shlex.join(["bayescal", *given])
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+    _prepare_streams()
     try:
-        run: Callable[[argparse.Namespace], int] = options.run
-        code = run(options)
-        sys.stdout.flush()
+        try:
+            return _run(given)
+        finally:
+            sys.stdout.flush()
     except BayescalError as error:
-        print(f"bayescal: {' '.join(str(error).split())}", file=sys.stderr)
+        _say(str(error))
         return BAD_INPUT
     except BrokenPipeError:  # the reader of a pipe has had enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard_output()
         return DONE
+    except OSError as error:
+        _discard_output()
+        _say(f"the output can't be written: {str(error.strerror or error).lower()}")
+        return BAD_INPUT
     except KeyboardInterrupt:
-        print("bayescal: interrupted; nothing was written", file=sys.stderr)
+        _say("interrupted; nothing was written")
         return 130
-    return code
+
+
+def _run(given: list[str]) -> int:
+    options = _parser().parse_args(given)
+    options.command_line = shlex.join(["bayescal", *given])
+    run: Callable[[argparse.Namespace], int] = options.run
+    return run(options)
+
+
+def _prepare_streams() -> None:
+    """Let a stream the shell has closed swallow what it gets; replace what it can't encode."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, io.StringIO())
+        elif hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+
+
+def _discard_output() -> None:
+    """Send what is still to be printed nowhere, so that nothing fails again at exit."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _say(message: str) -> None:
+    """Complain on standard error, if there is anyone to hear."""
+    with contextlib.suppress(OSError):
+        print(f"bayescal: {_one_line(message)}", file=sys.stderr, flush=True)
+
+
+def _one_line(message: str) -> str:
+    """Fold white space, and drop what could command a terminal."""
+    folded = " ".join(message.split())
+    return "".join(c if c.isprintable() else "?" for c in folded)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import math
+import numbers
 from collections.abc import Iterable
 
 import numpy as np
@@ -11,15 +13,20 @@ from bayescal.arrays import Array
 from bayescal.comparison.adequacy import pure_error
 from bayescal.errors import InputError
 from bayescal.inference.effective_variance import with_effective_deviations
+from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.models.linear import AxisData
 from bayescal.models.noise import SPAN_BOUNDS, NoiseLevel
 from bayescal.models.priors import PriorRule
-from bayescal.points.setup import StatedPrior
-from bayescal.report.rounding import significant
+from bayescal.points.setup import LARGEST_PX, SMALLEST_PX, StatedPrior
+from bayescal.rounding import significant
 
 DEFAULT_ORDERS = range(1, 6)
 DEFAULT_ESS = 4000
 HIGHEST_ORDER = 20
+# chi-squared beyond which rounding of the likelihood is felt.
+LARGEST_CHI2 = 1e12
+# What a known sigma may be, as a share of the span of y where y is not a pixel.
+KNOWN_SHARE = (1e-12, 1e9)
 SIGMA_WORDS = ("inferred", "replicates", "scale")
 
 
@@ -151,13 +158,41 @@ def _pixel_noise(
             )
         words = f"{significant(pure, 3)} px, from replicates ({dof} dof), taken as known{ignored}"
         return data, NoiseLevel.replicates(pure, dof), words
-    if isinstance(wanted, int | float):
+    if isinstance(wanted, numbers.Real):
+        _check_known(data, float(wanted))
         return data, NoiseLevel.known(float(wanted)), f"known, {wanted:g} px{ignored}"
     if data.axis == "y":
         level = NoiseLevel.inferred((SPAN_BOUNDS[0] * data.size, SPAN_BOUNDS[1] * data.size))
     else:
         level = NoiseLevel.inferred()
     return data, level, f"inferred{ignored}"
+
+
+def _check_known(data: AxisData, sigma: float) -> None:
+    """Refuse a sigma from which no double tells the residuals, or that dwarfs all pixels."""
+    low, high = SMALLEST_PX, LARGEST_PX
+    if data.axis == "y":
+        low, high = (data.size * share for share in KNOWN_SHARE)
+    if not low <= sigma <= high:
+        unit = "" if data.axis == "y" else " px"
+        raise InputError(f"sigma must be from {low:.3g} to {high:.3g}{unit}, not {sigma:g}")
+
+
+def check_resolved(data: AxisData, noise: NoiseLevel, highest: LeastSquaresFit) -> None:
+    """Refuse deviations so far below the residuals that rounding hides the likelihood.
+
+    Raises
+    ------
+    InputError
+        Where chi-squared of the highest order is above 1e12.
+    """
+    if noise.value is not None and highest.rss / noise.value**2 > LARGEST_CHI2:
+        times = math.sqrt(highest.rss / len(data)) / noise.value
+        raise InputError(
+            f"{data.source}: axis {data.axis}: the known deviations are {times:.0e} times smaller "
+            f"than the residuals of order {highest.order}: no double tells such likelihoods apart; "
+            "check their unit"
+        )
 
 
 def prior_rule(data: AxisData, settings: Settings, stated: StatedPrior | None) -> PriorRule:

@@ -72,11 +72,11 @@ def orders(text: str) -> list[int]:
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")
         ends = [first, last] if dash else [first]
-        if not all(end.isascii() and end.isdigit() for end in ends):
+        if not all(end.isascii() and end.isdigit() and len(end) < 10 for end in ends):
             raise argparse.ArgumentTypeError(
-                f"{text!r} is not a list of orders such as 1-5 or 1,3,5"
+                f"{text[:40]!r} is not a list of orders such as 1-5 or 1,3,5"
             )
-        low, high = int(ends[0][:9]), int(ends[-1][:9])
+        low, high = int(ends[0]), int(ends[-1])
         if high < low:
             raise argparse.ArgumentTypeError(f"{part.strip()!r} runs backwards; write {high}-{low}")
         found.update(range(low, min(high, low + 1000) + 1))

@@ -8,64 +8,110 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bayescal.errors import InputError
+
 if TYPE_CHECKING:
     from bayescal.comparison.results import Comparison
 
 DONE, BAD_INPUT, NOT_SOUND = 0, 2, 3
 
 
-def add_output(parser: argparse.ArgumentParser) -> None:
-    """Add where results go."""
+RUN_HELP = "write a run: result.json, draws (NetCDF), corner plots"
+
+
+def add_output(
+    parser: argparse.ArgumentParser, folder_help: str = RUN_HELP, *, progress: bool = True
+) -> None:
+    """Add where results go, and whether a progress bar can be had."""
     output = parser.add_argument_group("output")
     output.add_argument(
         "--json", metavar="FILE|-", help="write the result document; - prints it instead of tables"
     )
-    output.add_argument(
-        "--out", metavar="DIR", help="write a run: result.json, draws (NetCDF), corner plots"
-    )
+    output.add_argument("--out", metavar="DIR", help=folder_help)
     output.add_argument("--force", action="store_true", help="replace existing output")
     output.add_argument("--quiet", action="store_true", help="print no tables")
-    output.add_argument(
-        "--progress",
-        action=argparse.BooleanOptionalAction,
-        help="progress bar (on a terminal, after a second)",
-    )
+    if progress:
+        output.add_argument(
+            "--progress",
+            action=argparse.BooleanOptionalAction,
+            help="progress bar (on a terminal, after a second)",
+        )
 
 
-def check_output(options: argparse.Namespace) -> None:
-    """Refuse output that can't be written before anything is computed."""
+def check_json(options: argparse.Namespace) -> None:
+    """Refuse a document that can't be written before anything is computed."""
     if options.json not in (None, "-"):
         from bayescal.files import check_free
 
         check_free(Path(options.json), force=options.force)
+
+
+def check_output(options: argparse.Namespace) -> None:
+    """Refuse output that can't be written before anything is computed."""
+    check_json(options)
+    if options.out is not None and options.json not in (None, "-"):
+        folder, document = Path(options.out).absolute(), Path(options.json).absolute()
+        if folder == document or folder in document.parents:
+            raise InputError(
+                f"{options.json}: lies in --out, which holds the document anyway; drop --json"
+            )
     if options.out is not None:
         from bayescal.report.run import check_run
 
         check_run(Path(options.out), force=options.force)
 
 
+def publish(
+    options: argparse.Namespace,
+    text: Callable[[], str],
+    write: Callable[[Path, str], None],
+    view: Callable[[], Any],
+) -> None:
+    """Write and print whatever was asked for of a result.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+    text : callable
+        Makes the document's text.
+    write : callable
+        Given a folder's path and that text, writes the folder.
+    view : callable
+        Makes what the terminal shows.
+    """
+    if options.json is not None or options.out is not None:
+        made = text()
+        if options.out is not None:
+            write(Path(options.out), made)
+        if options.json == "-":
+            sys.stdout.write(made)
+        elif options.json is not None:
+            from bayescal.files import write_whole
+
+            write_whole(Path(options.json), made.encode(), force=options.force)
+    if not options.quiet and options.json != "-":
+        from bayescal.report.render import render
+
+        sys.stdout.write(render(view(), terminal=sys.stdout.isatty()))
+
+
 def deliver(
     options: argparse.Namespace, result: Comparison, view: Callable[[Comparison], Any]
 ) -> int:
     """Write and print a comparison; return the exit code."""
-    if options.json is not None or options.out is not None:
-        from bayescal.report.document import document, dumps
 
-        text = dumps(document(result, options.command_line))
-        if options.out is not None:
-            from bayescal.report.run import write_run
+    def text() -> str:
+        from bayescal.report.document import document
+        from bayescal.report.facts import dumps
 
-            write_run(Path(options.out), result, text, force=options.force)
-        if options.json == "-":
-            sys.stdout.write(text)
-        elif options.json is not None:
-            from bayescal.files import write_whole
+        return dumps(document(result, options.command_line))
 
-            write_whole(Path(options.json), text.encode(), force=options.force)
-    if not options.quiet and options.json != "-":
-        from bayescal.report.terminal import render
+    def write(folder: Path, text: str) -> None:
+        from bayescal.report.run import write_run
 
-        sys.stdout.write(render(view(result), terminal=sys.stdout.isatty()))
+        write_run(folder, result, text, force=options.force)
+
+    publish(options, text, write, lambda: view(result))
     if not result.sound:
         print(
             "bayescal: some draws did not converge or disagree with the closed form (exit code 3)",

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-import math
+from collections.abc import Mapping
 
+from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.defence import Defence, Prediction
+from bayescal.comparison.stability import Beyond
 from bayescal.comparison.verdict import AxisVerdict, percent
-from bayescal.report.rounding import significant
+from bayescal.rounding import significant
 
 # Leave-one-out contradicts the verdict where its best is ahead by more than both.
 CLEAR_ELPD = 4.0
@@ -15,15 +17,17 @@ CLEAR_SE = 2.0
 SMALL_SAMPLE = 100  # below it the standard error of elpd may be up to twice too small
 
 
-def argue(verdict: AxisVerdict, defence: Defence, n: int, size: float) -> AxisVerdict:
+def argue(
+    verdict: AxisVerdict, defence: Defence, criteria: Mapping[int, Criteria], size: float
+) -> AxisVerdict:
     """Add what the defence found to a verdict's text and caveats.
 
     Parameters
     ----------
     verdict : AxisVerdict
     defence : Defence
-    n : int
-        Number of points.
+    criteria : mapping of int to Criteria
+        By order.
     size : float
         Image size along the axis, px.
 
@@ -39,25 +43,34 @@ def argue(verdict: AxisVerdict, defence: Defence, n: int, size: float) -> AxisVe
         _tau(verdict.order, defence, size),
         _resampled(defence, verdict.order),
     ]
-    text += [_removals(defence), _disagreement(verdict, n)]
+    text += [_removals(defence), _disagreement(verdict, criteria)]
     text.append(_leave_one_out(verdict.order, defence.prediction))
     clear = _clear_contradiction(verdict.order, defence.prediction)
     if clear:
         caveats.append(clear)
     if defence.beyond is not None:
-        winner = defence.beyond.winner
-        reached = max(defence.beyond.probability)
-        if winner is not None:
-            caveats.append(
-                f"order {winner}, beyond the compared range, would win "
-                f"({percent(defence.beyond.probability[winner])} among orders up to {reached}): "
-                "compare more orders"
-            )
-        else:
-            text.append(f"No order up to {reached} would take its place.")
+        caveats += _beyond_caveat(defence.beyond)
+        text.append(_beyond(defence.beyond))
     return dataclasses.replace(
         verdict, text=" ".join(part for part in text if part), caveats=tuple(caveats)
     )
+
+
+def _beyond(found: Beyond) -> str:
+    if found.winner is not None or not found.orders:
+        return ""
+    orders = ", ".join(str(k) for k in found.orders)
+    return f"Beyond the range, orders {orders} were tried and would not take its place."
+
+
+def _beyond_caveat(found: Beyond) -> list[str]:
+    if found.winner is None:
+        return []
+    chance = percent(found.probability[found.winner])
+    return [
+        f"order {found.winner}, beyond the compared range, would win ({chance} with orders "
+        f"{', '.join(str(k) for k in found.orders)} compared too): compare more orders"
+    ]
 
 
 def _worth(defence: Defence) -> str:
@@ -119,13 +132,26 @@ def _removals(defence: Defence) -> str:
     return joined[0].upper() + joined[1:] + "."
 
 
-def _disagreement(verdict: AxisVerdict, n: int) -> str:
-    if verdict.aicc_order is None or verdict.aicc_order == verdict.bic_order:
+def _disagreement(verdict: AxisVerdict, criteria: Mapping[int, Criteria]) -> str:
+    first, second = verdict.aicc_order, verdict.bic_order
+    if first is None or second is None or first == second:
         return ""
+    name = verdict.aic_name
+    low, high = sorted((first, second))
+    asks = {
+        label: _penalty(criteria[high], key) - _penalty(criteria[low], key)
+        for label, key in ((name, name.lower()), ("BIC", "bic"))
+    }
     return (
-        f"AICc and BIC disagree because BIC asks ln n = {math.log(n):.1f} of twice the log "
-        "likelihood for each coefficient, AICc little more than 2."
+        f"{name} and BIC disagree because for going from order {low} to {high} {name} asks "
+        f"{asks[name]:.1f} of twice the log likelihood, BIC {asks['BIC']:.1f}."
     )
+
+
+def _penalty(found: Criteria, key: str) -> float:
+    """Subtract -2 lnL from a criterion."""
+    value = getattr(found, key)
+    return float(value + 2 * (found.log_likelihood or 0.0))
 
 
 def _leave_one_out(order: int, prediction: dict[int, Prediction]) -> str:
@@ -137,16 +163,20 @@ def _leave_one_out(order: int, prediction: dict[int, Prediction]) -> str:
         runner = max(rest, key=lambda k: prediction[k].loo.elpd)
         found = prediction[runner]
         return (
-            f"Leave-one-out agrees: order {runner} is next, by {-found.difference:.1f} "
-            f"(SE {found.difference_se:.1f})."
+            f"Leave-one-out puts it first too; order {runner} is behind by "
+            f"{_lead(-found.difference, found.difference_se)}."
         )
     found = prediction[order]
-    ahead, se = -found.difference, found.difference_se
-    similar = "; below 4, predictions are similar" if ahead < CLEAR_ELPD else ""
+    lead = _lead(-found.difference, found.difference_se)
     return (
-        f"Leave-one-out puts order {best} ahead by {ahead:.1f} (SE {se:.1f}{similar}): it asks "
-        "only for prediction, the evidence also how much of the prior the data use up."
+        f"Leave-one-out puts order {best} ahead by {lead}: it asks only for prediction, the "
+        "evidence also how much of the prior the data use up."
     )
+
+
+def _lead(ahead: float, se: float) -> str:
+    similar = "; below 4, predictions are similar" if ahead < CLEAR_ELPD else ""
+    return f"{ahead:.1f} (SE {se:.1f}{similar})"
 
 
 def _clear_contradiction(order: int, prediction: dict[int, Prediction]) -> str:

@@ -53,14 +53,45 @@ def criteria(fit: LeastSquaresFit, noise: NoiseLevel, n: int, log_sd: float = 0.
     -------
     Criteria
     """
+    return criteria_from(fit.rss, fit.order + 1, noise, n, exact=fit.exact, log_sd=log_sd)
+
+
+def criteria_from(
+    rss: float,
+    n_coefficients: int,
+    noise: NoiseLevel,
+    n: int,
+    *,
+    exact: bool = False,
+    log_sd: float = 0.0,
+) -> Criteria:
+    """Information criteria of any model with Gaussian noise, from its sum of squares.
+
+    Parameters
+    ----------
+    rss : float
+        Residual sum of squares, px^2 (with known deviations: dimensionless).
+    n_coefficients : int
+    noise : NoiseLevel
+    n : int
+        Number of points.
+    exact : bool, optional
+        Whether the residuals are rounding, so that there is no likelihood.
+    log_sd : float, optional
+        Sum of ln sd over points whose deviations are known.
+
+    Returns
+    -------
+    Criteria
+    """
     inferred = noise.value is None
-    k = fit.order + 1 + inferred
-    if fit.exact:
+    k = n_coefficients + inferred
+    if exact:
         return Criteria(k, None, None, None, None)
     if noise.value is None:
-        log_likelihood = -n / 2 * (LOG_2PI + math.log(fit.rss / n) + 1) - log_sd
+        log_likelihood = -n / 2 * (LOG_2PI + math.log(rss / n) + 1) - log_sd
     else:
-        chi2 = fit.rss / noise.value**2
+        chi2 = rss / noise.value**2
         log_likelihood = -0.5 * (chi2 + n * LOG_2PI) - n * math.log(noise.value) - log_sd
     aic = -2 * log_likelihood + 2 * k
     spare = n - k - 1

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, frozen
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out, paired_difference
 from bayescal.comparison.sensitivity import TauSensitivity, tau_sensitivity
 from bayescal.comparison.stability import (
@@ -30,7 +31,7 @@ from bayescal.models.priors import PriorRule
 # Log densities held at once by the check of leave-one-out from the draws.
 PSIS_NUMBERS = 20_000_000
 PSIS_DRAWS = 400
-PSIS_AGREEMENT = 5.0  # Monte Carlo standard errors
+GOOD_K = 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,11 @@ class Prediction:
         Its Monte Carlo standard error.
     pareto_k : Array or None
         ``(n_points,)``.
+    k_limit : float or None
+        Good below it: min(1 - 1 / log10 of the number of draws, 0.7) (Vehtari et al.
+        2024).
+    influential : tuple of str
+        Labels of the points beyond it, worst first.
     """
 
     loo: LeaveOneOut
@@ -60,7 +66,9 @@ class Prediction:
     group_elpd: float | None
     psis_elpd: float | None
     psis_mcse: float | None
-    pareto_k: Array | None
+    pareto_k: Array | None = None
+    k_limit: float | None = None
+    influential: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -209,26 +217,35 @@ def _predictions(
     out = {}
     for k, loo in loos.items():
         difference, se = paired_difference(loo, loos[best])
-        group = None if grouped is None else float((integrals[k] - grouped[k]).sum())
+        group = (
+            None
+            if grouped is None or np.isnan(grouped[k]).any()
+            else float((integrals[k] - grouped[k]).sum())
+        )
         psis = _psis(data, posteriors[k])
         if psis is None:
-            out[k] = Prediction(loo, difference, se, group, None, None, None)
-        else:
-            elpd, mcse, pareto_k = psis
-            out[k] = Prediction(
-                loo,
-                difference,
-                se,
-                group,
-                float(elpd.sum()),
-                float(np.sqrt((mcse**2).sum())),
-                pareto_k,
-            )
+            out[k] = Prediction(loo, difference, se, group, None, None)
+            continue
+        elpd, mcse, pareto_k, draws = psis
+        limit = min(1 - 1 / math.log10(draws), GOOD_K)
+        shape = np.where(np.isfinite(pareto_k), pareto_k, np.inf)
+        worst = [int(i) for i in np.argsort(-shape, kind="stable") if shape[i] >= limit]
+        out[k] = Prediction(
+            loo,
+            difference,
+            se,
+            group,
+            float(elpd.sum()),
+            float(np.sqrt((mcse**2).sum())),
+            frozen(shape),
+            limit,
+            tuple(data.labels[i] for i in worst),
+        )
     return out
 
 
-def _psis(data: AxisData, posterior: Posterior) -> tuple[Array, Array, Array] | None:
-    """Leave-one-out from the draws; None where they'd be too few for so many points."""
+def _psis(data: AxisData, posterior: Posterior) -> tuple[Array, Array, Array, int] | None:
+    """Leave-one-out from the draws, and their number; None where they'd be too few."""
     model = posterior.exact.model
     theta = posterior.chain.theta.reshape(-1, model.dimension)
     room = PSIS_NUMBERS // len(data)
@@ -243,7 +260,7 @@ def _psis(data: AxisData, posterior: Posterior) -> tuple[Array, Array, Array] | 
         log_sigma = np.full(len(theta), np.log(posterior.exact.sigma[0]))
     z = (data.t[:, None] - design @ theta[:, : model.size].T) / sd[:, None] * np.exp(-log_sigma)
     log_likelihood = -(z**2 + LOG_2PI) / 2 - log_sigma - np.log(sd)[:, None]
-    return psis_loo(log_likelihood)
+    return *psis_loo(log_likelihood), len(theta)
 
 
 def _worth(data: AxisData, posteriors: Mapping[int, Posterior], order: int, other: int) -> Worth:

@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array, IntArray, frozen
@@ -27,8 +28,12 @@ from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
 
 # A point is refitted where the posterior without it peaks at a node at which the density
-# with it is below exp(-REFIT) of its maximum.
+# with it is below exp(-REFIT) of its maximum,
 REFIT = 4.0
+# or where that posterior is not below exp(-EDGE) of its maximum at the last nodes of sigma,
+EDGE = 22.0
+# or where 1 - leverage is so small that it has lost the digits its closed form needs.
+DETERMINED = 1e-7
 # Numbers held at once: points times nodes.
 CHUNK = 4_000_000
 
@@ -80,12 +85,15 @@ def leave_one_out(data: AxisData, exact: ExactPosterior) -> LeaveOneOut | None:
     out, inside, moved = np.empty(n), np.empty(n), np.zeros(n, dtype=bool)
     for start in range(0, n, step):
         part = slice(start, min(start + step, n))
-        log_without, log_with = _node_densities(data, exact, part)
-        weighted = log_weights - log_without
-        peak = (density - log_without).argmax(axis=1)
-        out[part] = -logsumexp(weighted, axis=1)
+        log_without, log_with, spare = _node_densities(data, exact, part)
+        alone = spare < DETERMINED  # nothing but the point determines its own prediction
+        if alone.any() and not exact.model.prior.proper:
+            return None  # without the point the posterior is improper
+        out[part] = -logsumexp(log_weights - log_without, axis=1)
         inside[part] = logsumexp(log_weights + log_with, axis=1)
-        moved[part] = density[peak] < density.max() - REFIT
+        left = density - log_without
+        far = density[left.argmax(axis=1)] < density.max() - REFIT
+        moved[part] = alone | far | _cut_off(exact, left.reshape(-1, *exact.log_joint.shape))
     if moved.any():
         out[moved] = exact.log_integral - _refitted(data, exact, np.flatnonzero(moved))
     se = math.sqrt(n) * float(out.std(ddof=1)) if n > 1 else math.nan
@@ -94,7 +102,22 @@ def leave_one_out(data: AxisData, exact: ExactPosterior) -> LeaveOneOut | None:
     )
 
 
-def _node_densities(data: AxisData, exact: ExactPosterior, part: slice) -> tuple[Array, Array]:
+def _cut_off(exact: ExactPosterior, density: Array) -> NDArray[np.bool_]:
+    """Whether densities are not negligible at an outermost node of sigma short of its bound."""
+    out = np.zeros(len(density), dtype=bool)
+    if not exact.model.infers_sigma:
+        return out
+    top = density.max(axis=(1, 2))
+    nodes = exact.sigma_rule.nodes
+    for side, bound in zip((0, -1), exact.model.noise.log_bounds, strict=True):
+        if abs(nodes[side] - bound) > 1e-9:
+            out |= density[:, :, side].max(axis=1) > top - EDGE
+    return out
+
+
+def _node_densities(
+    data: AxisData, exact: ExactPosterior, part: slice
+) -> tuple[Array, Array, Array]:
     """Log densities of points without and with themselves, ``(n_part, n_nodes)``."""
     model, conditional = exact.model, exact.conditional
     design = legendre_design(data.domain.scale(data.x[part]), model.order)
@@ -109,6 +132,8 @@ def _node_densities(data: AxisData, exact: ExactPosterior, part: slice) -> tuple
     scaled = residual**2 / variance
     constant = LOG_2PI + np.log(variance)
     spare = 1 - leverage
+    least = spare.min(axis=(0, 2))
+    spare = np.maximum(spare, DETERMINED)
     without = -(constant - np.log(spare) + scaled / spare) / 2
     within = -(constant + np.log1p(leverage) + scaled / (1 + leverage)) / 2
     shape = (design.shape[0], -1)
@@ -116,6 +141,7 @@ def _node_densities(data: AxisData, exact: ExactPosterior, part: slice) -> tuple
     return (
         without.transpose(1, 0, 2).reshape(shape) - log_sd,
         within.transpose(1, 0, 2).reshape(shape) - log_sd,
+        least,
     )
 
 

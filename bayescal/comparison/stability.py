@@ -74,10 +74,13 @@ class Beyond:
         Of every order, compared and beyond, were all of them candidates.
     winner : int or None
         The order beyond that would win; None where none does.
+    orders : tuple of int
+        The orders beyond that were tried.
     """
 
     probability: dict[int, float]
     winner: int | None
+    orders: tuple[int, ...]
 
 
 def removals(
@@ -127,8 +130,11 @@ def without_groups(
         ``(n_groups,)`` by order.
     """
     sets = Rows.of(data, max(models)).without(members)
+    left = [distinct_values(data.x[row == 0]) if (row == 0).any() else 0 for row in members]
     return {
-        k: log_evidences(sets.reduced(k), model.noise, model.prior, FINE)
+        k: np.full(len(members), np.nan)
+        if not model.prior.proper and min(left) < model.size
+        else log_evidences(sets.reduced(k), model.noise, model.prior, FINE)
         for k, model in models.items()
     }
 
@@ -202,7 +208,7 @@ def beyond(
             evidence[k] = exact_posterior(model).log_integral
     chance = dict(zip(evidence, probabilities(list(evidence.values())), strict=True))
     best = max(chance, key=lambda k: (chance[k], -k))
-    return Beyond(chance, best if best > highest else None)
+    return Beyond(chance, best if best > highest else None, tuple(more))
 
 
 def joint_probabilities(first: Mapping[int, float], second: Mapping[int, float]) -> Array:

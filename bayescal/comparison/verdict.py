@@ -27,6 +27,8 @@ class AxisVerdict:
         Its strength in words (Kass & Raftery 1995).
     aicc_order, bic_order : int or None
         The orders that AICc (AIC where AICc is not defined) and BIC prefer.
+    aic_name : str
+        Which of the two it is, ``"AICc"`` or ``"AIC"``.
     caveats : tuple of str
     text : str
         One paragraph.
@@ -41,6 +43,7 @@ class AxisVerdict:
     bic_order: int | None
     caveats: tuple[str, ...]
     text: str
+    aic_name: str = "AICc"
 
 
 def judge(
@@ -69,7 +72,9 @@ def judge(
     by_criteria = _criteria_words(aic_name, aicc_order, bic_order)
     if probability is None or log_evidence is None:
         text = f"No order is recommended: a flat prior has no evidence. {by_criteria}"
-        return AxisVerdict(None, (), False, None, None, aicc_order, bic_order, tuple(caveats), text)
+        return AxisVerdict(
+            None, (), False, None, None, aicc_order, bic_order, tuple(caveats), text, aic_name
+        )
     order = max(probability, key=lambda k: (probability[k], -k))
     plausible = plausible_set(probability)
     decided = len(plausible) == 1
@@ -94,6 +99,7 @@ def judge(
         bic_order,
         tuple(caveats),
         text,
+        aic_name,
     )
 
 

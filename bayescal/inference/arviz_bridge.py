@@ -88,8 +88,9 @@ def psis_loo(log_likelihood: Array) -> tuple[Array, Array, Array]:
     log_weights, pareto_k = array_stats.psislw(log_likelihood, axis=-1)
     log_weights = log_weights - logsumexp(log_weights, axis=-1, keepdims=True)
     elpd = np.asarray(logsumexp(log_weights + log_likelihood, axis=-1))
-    relative = np.exp(log_likelihood - elpd[:, None]) - 1
-    mcse = np.sqrt((np.exp(2 * log_weights) * relative**2).sum(axis=-1))
+    # Both terms sum to 1 over the draws, so that neither can overflow.
+    terms = np.exp(log_weights + log_likelihood - elpd[:, None]) - np.exp(log_weights)
+    mcse = np.sqrt((terms**2).sum(axis=-1))
     return elpd, mcse, np.asarray(pareto_k)
 
 
@@ -120,4 +121,5 @@ def write_netcdf(
     tree["posterior"].attrs = attributes
     for name in ("sample_stats", "observed_data"):
         tree[name].attrs = {}
-    tree.to_netcdf(path, engine="h5netcdf")
+    # Made in memory first: HDF5 does not survive a disk that fills up under it.
+    path.write_bytes(tree.to_netcdf(engine="h5netcdf"))

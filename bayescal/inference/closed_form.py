@@ -124,7 +124,8 @@ class ExactPosterior:
     @cached_property
     def weights(self) -> Array:
         """Posterior probability of each node, ``(n_tau, n_sigma)``, summing to 1."""
-        return np.exp(self.log_weights)
+        shares = np.exp(self.log_weights)
+        return np.asarray(shares / shares.sum())  # logs of many points round to more than 1
 
     @cached_property
     def sigma(self) -> Array:

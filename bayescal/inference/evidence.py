@@ -105,7 +105,9 @@ class Projection:
 def tau_rule(prior: CoefficientPrior, accuracy: Accuracy) -> tuple[Rule, Array]:
     """Quadrature in ln tau and the ln tau of its nodes; one node where tau is fixed."""
     if prior.infers_tau:
-        rule = interval(*prior.log_tau_bounds, accuracy.tau_nodes)
+        # The more amplitudes tau has, the narrower its posterior.
+        finer = 1 + int(prior.scaled.sum()) // 8
+        rule = interval(*prior.log_tau_bounds, finer * (accuracy.tau_nodes - 1) + 1)
         return rule, rule.nodes
     return POINT, np.log([prior.tau if prior.tau is not None else 1.0])
 

@@ -66,7 +66,7 @@ class Factorisation:
     def exact_fit(self, order: int) -> bool:
         """Whether the residuals are rounding: RSS below n (64 eps max|t|)^2."""
         floor = 64 * np.finfo(float).eps * self.largest
-        return bool(self.rss(order) < self.n * floor**2)
+        return bool(self.rss(order) <= self.n * floor**2)
 
 
 def factorise(data: AxisData, order: int) -> Factorisation:

@@ -39,8 +39,8 @@ class Accuracy:
 
 # The log integral is good to about 1e-8 nat (tests/inference/test_closed_form.py).
 FINE = Accuracy(resolve=3.0, drop=34.0, panel_nodes=13, tau_nodes=49, panels=24)
-# To about 0.02 nat: for thousands of resamples, whose own scatter is a thousand times that.
-COARSE = Accuracy(resolve=4.0, drop=14.0, panel_nodes=5, tau_nodes=13, panels=10)
+# To about 0.01 nat: for thousands of resamples, whose own scatter is a thousand times that.
+COARSE = Accuracy(resolve=4.0, drop=14.0, panel_nodes=5, tau_nodes=17, panels=10)
 
 
 @cache
@@ -129,9 +129,11 @@ def follow(
         top, bottom = values.max(axis=-1), values.min(axis=-1)
         best = np.maximum(best, top.max(axis=(-2, -1), keepdims=True))
         floor = best - accuracy.drop
-        # How high a density might reach between nodes: as far again as it varies.
-        matters = 2 * top - bottom > floor
-        excess = (top - np.maximum(bottom, floor)) - (best - top)
+        # How high a density might reach between nodes, which need not have been nodes of
+        # the panel it is half of: as far again as it varies.
+        reach = np.minimum(2 * top - bottom, best)
+        matters = reach > floor
+        excess = (reach - np.maximum(bottom, floor)) - (best - reach)
         varies = _any_density(matters & (excess > accuracy.resolve))
         done = _any_density(matters) & ~varies
         kept.append((lower[done], upper[done]))

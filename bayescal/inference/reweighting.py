@@ -1,9 +1,9 @@
 """Many data sets made of the same points: some left out, or counted several times.
 
-With [X | t] = Q R, points counted w_i times have the Gram matrix R' (Q' diag(w) Q) R.
-Q' diag(w) Q is near the identity, so its square root loses nothing, and one small
-factorisation per data set replaces one of all its points. Domain and prior stay those
-of the full data.
+With [X | t] = Q R, the rows of Q, counted w_i times, are factorised once more for each
+data set. Where they are many, their Gram matrix Q' diag(w) Q takes their place: it is
+near the identity, so that its square root loses little, and one small factorisation per
+data set replaces one of all its points. Domain and prior stay those of the full data.
 """
 
 from __future__ import annotations
@@ -16,6 +16,10 @@ from bayescal.arrays import Array
 from bayescal.inference.evidence import Reduced
 from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
+
+# Numbers up to which rows are factorised themselves, and numbers held at once.
+SMALL = 20_000
+CHUNK = 4_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +70,28 @@ class Rows:
         counts : Array
             How often each point stands in the set, ``(n_sets, n_points)``.
         """
+        step = len(counts) if self.q.size > SMALL else max(1, CHUNK // self.q.size)
+        roots = self._roots_of_gram if self.q.size > SMALL else self._roots_of_rows
+        columns = self.r.shape[1]
+        triangles = []
+        for start in range(0, len(counts), max(step, 1)):
+            root = roots(counts[start : start + step])
+            square = np.zeros((len(root), columns, columns))
+            square[:, : root.shape[1]] = root @ self.r
+            triangles.append(np.linalg.qr(square, mode="r"))
+        return DataSets(np.concatenate(triangles), counts.sum(axis=1), counts @ self.log_sd)
+
+    def _roots_of_rows(self, counts: Array) -> Array:
+        """Triangles of the counted rows: exact for degenerate sets too."""
+        return np.asarray(np.linalg.qr(np.sqrt(counts)[:, :, None] * self.q, mode="r"))
+
+    def _roots_of_gram(self, counts: Array) -> Array:
+        """Square roots of the counted rows' Gram matrices."""
         m = self.q.shape[1]
         products = (self.q[:, :, None] * self.q[:, None, :]).reshape(-1, m * m)
-        gram = (counts @ products).reshape(-1, m, m)
-        values, vectors = np.linalg.eigh(gram)
-        root = np.sqrt(np.maximum(values, 0))[:, :, None] * vectors.transpose(0, 2, 1)
-        columns = self.r.shape[1]
-        tall = np.zeros((len(counts), columns, columns))
-        tall[:, :m] = root @ self.r
-        return DataSets(np.linalg.qr(tall, mode="r"), counts.sum(axis=1), counts @ self.log_sd)
+        values, vectors = np.linalg.eigh((counts @ products).reshape(-1, m, m))
+        root: Array = np.sqrt(np.maximum(values, 0))[:, :, None] * vectors.transpose(0, 2, 1)
+        return root
 
 
 @dataclass(frozen=True, eq=False)

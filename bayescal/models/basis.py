@@ -52,7 +52,8 @@ def distinct_values(x: Array) -> int:
     """Count the regressor values that differ by more than 1e-9 of the domain."""
     ordered = np.sort(x)
     width = ordered[-1] - ordered[0]
-    return 1 + int((np.diff(ordered) > SAME_REGRESSOR * width).sum())
+    rounding = 8 * np.finfo(float).eps * float(np.abs(ordered[[0, -1]]).max())
+    return 1 + int((np.diff(ordered) > max(SAME_REGRESSOR * width, rounding)).sum())
 
 
 def legendre_design(s: Array, order: int) -> Array:

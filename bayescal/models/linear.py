@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,9 @@ import numpy as np
 from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
 from bayescal.models.basis import Domain, distinct_values
+
+# Powers of ten that a product of two such numbers must leave room for.
+DECADES = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +75,18 @@ class AxisData:
             With the highest order that still works.
         """
         where = f"{self.source}: axis {self.axis}"
+        widest = max(abs(self.domain.lower), abs(self.domain.upper))
+        half = self.domain.half_range
+        # Coefficients reach size * (widest / half)^order / half^order.
+        if half > 0 and not (
+            order * abs(math.log10(half)) < DECADES
+            and order * max(math.log10(widest / half), 0) < DECADES
+            and abs(math.log10(self.size)) < DECADES
+        ):
+            raise InputError(
+                f"{where}: {self.regressor} spans {2 * half:.3g} and the pixels {self.size:.3g}: "
+                f"coefficients of order {order} are beyond every double; use other units"
+            )
         values = distinct_values(self.x)
         works = min(values, len(self)) - 1
         advice = (
@@ -123,6 +139,6 @@ def generic_axis(x: Array, y: Array, sd: Array | None = None, source: str = "x a
 
 
 def pixel_span(t: Array) -> float:
-    """Span of the pixels, px; 1 where they are all the same."""
+    """Span of the pixels, px; their size, or 1, where they are all the same."""
     span = float(t.max() - t.min())
-    return span if span > 0 else 1.0
+    return span or float(np.abs(t).max()) or 1.0

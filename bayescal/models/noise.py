@@ -49,7 +49,7 @@ class NoiseLevel:
         InputError
             Where sigma is not positive and finite.
         """
-        if not (math.isfinite(sigma) and sigma > 0):
+        if not 1e-100 < sigma < 1e100:
             raise InputError(f"sigma must be a positive number of px, not {sigma:g}")
         return cls("known", sigma, None)
 

@@ -21,6 +21,8 @@ from bayescal.points.setup import StatedPrior
 
 # Bounds of an inferred tau, as a fraction of the image (ln tau uniform between them).
 TAU_BOUNDS = (0.001, 0.5)
+# What a fixed tau may be.
+FIXED_TAU = (1e-9, 1e9)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,8 +121,11 @@ class PriorRule:
         if self.tau is not None:
             if self.name != "field":
                 raise InputError(f"tau belongs to the field prior; the prior here is {self.name}")
-            if not (math.isfinite(self.tau) and self.tau > 0):
-                raise InputError(f"tau must be a positive number, not {self.tau:g}")
+            if not FIXED_TAU[0] <= self.tau <= FIXED_TAU[1]:
+                raise InputError(
+                    f"tau must be from {FIXED_TAU[0]:g} to {FIXED_TAU[1]:g} of the image, not "
+                    f"{self.tau:g}"
+                )
 
     def of_order(self, order: int) -> CoefficientPrior:
         """Prior of the amplitudes of one order.
@@ -140,7 +145,7 @@ class PriorRule:
             if len(self.stated.mean) < size:
                 raise InputError(
                     f"the stated prior has {len(self.stated.mean)} entries but order {order} has "
-                    f"{size} coefficients; state one for each"
+                    f"{size} coefficients; state one for each in the setup's [prior.r], [prior.c]"
                 )
             return CoefficientPrior(
                 "stated",

@@ -30,7 +30,7 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
     ------
     InputError
         Where a point lies in the camera's plane (z = 0) or so close to it that
-        the regressor overflows.
+        the regressor overflows, or a pixel more than an image size outside the image.
     """
     name, column, symbol = _AXES[axis]
     camera = points.camera_frame()
@@ -40,11 +40,19 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
     bad = np.flatnonzero(~(np.abs(x) < LARGEST) | (depth == 0))
     if bad.size:
         raise InputError(
-            f"{points.place(int(bad[0]))}: z is {points.setup.position[2]:g}, in the camera's "
+            f"{points.place(int(bad[0]))}: z is {points.world[bad[0], 2] + 0.0:g}, in the camera's "
             f"plane, where {name} is infinite; remove the point or mend the camera position"
         )
     t = points.pixel(axis)
     size = points.setup.size(axis)
+    if size is not None:
+        outside = np.flatnonzero((t < -size) | (t > 2 * size))
+        if outside.size:
+            first = int(outside[0])
+            raise InputError(
+                f"{points.place(first)}: {axis} = {t[first]:g} px is far outside an image of "
+                f"{size:g} px; mend the pixel, the image size or the direction of c"
+            )
     return AxisData(
         axis=axis,
         regressor=name,

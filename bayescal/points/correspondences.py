@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -165,7 +166,7 @@ class Correspondences:
         """
         if self.groups is not None:
             return "column group", self.groups
-        return "plane z", tuple(f"z = {z:g}" for z in self.world[:, 2])
+        return "plane z", tuple(f"z = {z:.15g}" for z in self.world[:, 2])
 
     def place(self, index: int) -> str:
         """Where point `index` (from 0) is, for a message: file and line, or its label."""
@@ -178,5 +179,8 @@ class Correspondences:
 
 
 def one_line(texts: tuple[str, ...]) -> tuple[str, ...]:
-    """Fold the white space of labels, so that each stays on its line in print."""
-    return tuple(" ".join(text.split()) for text in texts)
+    """Fold the white space of labels, so that each stays on its line in print and in a file.
+
+    What no text file can hold (null bytes, lone surrogates) counts as white space.
+    """
+    return tuple(re.sub(r"[\s\0\ud800-\udfff]+", " ", text).strip() for text in texts)

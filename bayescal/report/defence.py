@@ -6,16 +6,15 @@ from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.padding import Padding
-from rich.table import Table
 from rich.text import Text
 
 from bayescal.comparison.argument import SMALL_SAMPLE
-from bayescal.comparison.defence import Defence
+from bayescal.comparison.defence import Defence, Prediction
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.stability import Bootstrap, Removal, joint_probabilities
 from bayescal.comparison.verdict import percent
-from bayescal.report.rounding import significant
-from bayescal.report.tables import start_table
+from bayescal.report.tables import make_table
+from bayescal.rounding import significant
 
 
 def defence_view(axis: AxisComparison) -> RenderableType:
@@ -30,9 +29,9 @@ def defence_view(axis: AxisComparison) -> RenderableType:
     ]
     lines = [
         "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
-        "PSIS: the same from the draws, with its Monte Carlo error; Pareto k above 0.7 makes that "
-        "check unreliable for the point."
+        "PSIS: the same from the draws, with its Monte Carlo error."
     ]
+    lines += _influential(axis, defence)
     if len(axis.data) < SMALL_SAMPLE:
         lines.append(
             f"With {len(axis.data)} points the standard errors may be up to twice too small "
@@ -48,6 +47,21 @@ def defence_view(axis: AxisComparison) -> RenderableType:
         parts.append(_stability_table(axis, defence))
     parts += [Padding(Text(line), (0, 0, 0, 2)) for line in _world_lines(axis)]
     return Group(*parts)
+
+
+def _influential(axis: AxisComparison, defence: Defence) -> list[str]:
+    """Name the points whose Pareto k at the order shown is beyond the limit."""
+    found = defence.prediction.get(axis.chosen.order)
+    if found is None or not found.influential or found.k_limit is None:
+        return []
+    names = ("points " if len(found.influential) > 1 else "point ") + ", ".join(
+        found.influential[:6]
+    )
+    more = f" and {len(found.influential) - 6} more" if len(found.influential) > 6 else ""
+    return [
+        f"Pareto k above {found.k_limit:.2g} at order {axis.chosen.order}: {names}{more}; "
+        "there PSIS is no check, because the draws can't tell what is predicted without the point."
+    ]
 
 
 def _world_lines(axis: AxisComparison) -> list[str]:
@@ -67,38 +81,59 @@ def _world_lines(axis: AxisComparison) -> list[str]:
 
 def _prediction_table(axis: AxisComparison, defence: Defence) -> RenderableType:
     grouped = any(p.group_elpd is not None for p in defence.prediction.values())
-    heads = ["elpd", "SE", "behind", "SE", "p eff", "PSIS", "k max", *["by group"] * grouped]
-    table = start_table("   order", *heads)
+    heads = ["elpd", "SE", "behind", "± SE", "p eff", "PSIS", "k max", *["by group"] * grouped]
+    rows = []
     for k, found in defence.prediction.items():
         loo = found.loo
         cells = [
-            f"{loo.elpd:.1f}",
-            f"{loo.se:.1f}",
-            f"{abs(found.difference):.1f}",
-            f"{found.difference_se:.1f}",
-            f"{loo.p_eff:.1f}",
-            "" if found.psis_elpd is None else f"{found.psis_elpd:.1f} ± {found.psis_mcse:.1f}",
-            "" if found.pareto_k is None else f"{found.pareto_k.max():.2f}",
+            _compact(loo.elpd),
+            _compact(loo.se),
+            _compact(abs(found.difference)),
+            _compact(found.difference_se),
+            _compact(loo.p_eff),
+            _psis_words(found),
+            _k_words(found),
         ]
         if grouped:
-            cells.append("" if found.group_elpd is None else f"{found.group_elpd:.1f}")
-        _add(table, axis, k, cells)
-    return table
+            cells.append("" if found.group_elpd is None else _compact(found.group_elpd))
+        rows.append([_marked(axis, k), *cells])
+    orders = list(defence.prediction)
+    bold = orders.index(axis.verdict.order) if axis.verdict.order in orders else None
+    return make_table(["   order", *heads], rows, bold=bold, spare=("p eff", "SE", "k max", "PSIS"))
+
+
+def _psis_words(found: Prediction) -> str:
+    if found.psis_elpd is None or found.psis_mcse is None:
+        return ""
+    return f"{_compact(found.psis_elpd)} ± {_compact(found.psis_mcse)}"
+
+
+def _k_words(found: Prediction) -> str:
+    if found.pareto_k is None:
+        return ""
+    largest = float(found.pareto_k.max())
+    return f"{largest:.2f}" if largest < 10 else "bad"
+
+
+def _compact(value: float) -> str:
+    return f"{value:.1f}" if abs(value) < 1e5 else f"{value:.3g}"
 
 
 def _stability_table(axis: AxisComparison, defence: Defence) -> RenderableType:
     beyond = defence.beyond.probability if defence.beyond is not None else {}
     heads = [f"wins, {b.unit}s resampled" for b in defence.resampled]
-    table = start_table("   order", *heads, *["prob. with orders beyond"] * bool(beyond))
+    rows = []
     for k in beyond:
         shares = [percent(b.share[k]) if k in b.share else "" for b in defence.resampled]
-        _add(table, axis, k, [*shares, percent(beyond[k])])
-    return table
+        rows.append([_marked(axis, k), *shares, percent(beyond[k])])
+    heads = ["   order", *heads, "prob. with orders beyond"]
+    orders = list(beyond)
+    bold = orders.index(axis.verdict.order) if axis.verdict.order in orders else None
+    return make_table(heads, rows, bold=bold)
 
 
-def _add(table: Table, axis: AxisComparison, order: int, cells: list[str]) -> None:
-    chosen = order == axis.verdict.order
-    table.add_row(f"{' >'[chosen]}  {order:>5}", *cells, style="bold" if chosen else "")
+def _marked(axis: AxisComparison, order: int) -> str:
+    return f"{' >'[order == axis.verdict.order]}  {order:>5}"
 
 
 def joint_view(first: AxisComparison, second: AxisComparison) -> RenderableType:
@@ -110,13 +145,12 @@ def joint_view(first: AxisComparison, second: AxisComparison) -> RenderableType:
     if not all(chances):
         return Text("")
     names = first.data.axis, second.data.axis
-    table = start_table(
-        f"joint, {names[0]} \\ {names[1]}", *(f"{names[1]} order {k}" for k in chances[1])
-    )
-    pairs = joint_probabilities(*chances)
-    for k, row in zip(chances[0], pairs, strict=True):
-        table.add_row(f"{names[0]} order {k}", *(percent(float(p)) for p in row))
-    return table
+    heads = [f"joint, {names[0]} \\ {names[1]}", *(f"{names[1]} order {k}" for k in chances[1])]
+    rows = [
+        [f"{names[0]} order {k}", *(percent(float(p)) for p in row)]
+        for k, row in zip(chances[0], joint_probabilities(*chances), strict=True)
+    ]
+    return make_table(heads, rows, spare=heads[:0:-1])
 
 
 def defence_document(defence: Defence) -> dict[str, Any]:

@@ -31,6 +31,7 @@ PREDICTION = (
     "elpd_psis",
     "elpd_psis_mcse",
     "elpd_group",
+    "influential_points",
 )
 SCHEMA = "bayescal.comparison/1"
 PACKAGES = ("emcee", "numpy", "scipy", "arviz")
@@ -98,6 +99,7 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
     verdict, noise, reference = axis.verdict, axis.noise, axis.reference
     domain = axis.data.domain
     per_point = axis.data.sd is not None
+    bounds = None if noise.bounds is None else list(noise.bounds)
     return {
         "regressor": axis.data.regressor,
         "n": len(axis.data),
@@ -107,7 +109,8 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
             "sigma": noise.source,
             "sigma_px": None if per_point else noise.value,
             "per_point": per_point,
-            "sigma_bounds_px": None if noise.bounds is None else list(noise.bounds),
+            "sigma_bounds_px": bounds if noise.source == "inferred" else None,
+            "scale_bounds": bounds if noise.source == "scale" else None,
             "reference_sigma_px": None if per_point else reference.value,
             "reference": reference.source,
             "reference_dof": reference.dof,
@@ -142,7 +145,14 @@ def _prediction(found: Prediction | None) -> dict[str, Any]:
     return dict(
         zip(
             PREDICTION,
-            (*values, k_max, found.psis_elpd, found.psis_mcse, found.group_elpd),
+            (
+                *values,
+                k_max,
+                found.psis_elpd,
+                found.psis_mcse,
+                found.group_elpd,
+                list(found.influential),
+            ),
             strict=True,
         )
     )
@@ -218,6 +228,7 @@ def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         "exact_fit": fit.exact,
         "coefficients": coefficients,
         "sigma": _summary(by_name["sigma"]) if "sigma" in by_name else None,
+        "scale": _summary(by_name["scale"]) if "scale" in by_name else None,
         "tau": _summary(by_name["tau"]) if "tau" in by_name else None,
         "sampling": {
             "sampler": "emcee",

@@ -10,7 +10,7 @@ from bayescal.points.correspondences import Correspondences
 
 def dumps(found: dict[str, Any]) -> str:
     """Format a document as JSON text; refuses NaN."""
-    return json.dumps(found, indent=1, allow_nan=False, ensure_ascii=False) + "\n"
+    return json.dumps(found, indent=1, allow_nan=False, ensure_ascii=True) + "\n"
 
 
 def points_facts(points: Correspondences) -> dict[str, Any]:

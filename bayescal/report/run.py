@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import tempfile
 from pathlib import Path
 
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
-from bayescal.errors import OutputError
+from bayescal.files import FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import write_netcdf
 
 RESULT = "result.json"
 DRAWS = "draws"
+RUN = FolderKind("run", RESULT, (DRAWS, "corner-*.png"))
 
 
 def check_run(folder: Path, *, force: bool) -> None:
@@ -22,17 +22,11 @@ def check_run(folder: Path, *, force: bool) -> None:
         Where something other than an earlier run stands there, or an earlier run
         without `force`, or the folder around it does not exist.
     """
-    if folder.exists() or folder.is_symlink():
-        if not (folder / RESULT).is_file():
-            raise OutputError(f"{folder}: exists and is not a run; choose another name")
-        if not force:
-            raise OutputError(f"{folder}: holds an earlier run; choose another name or add --force")
-    if not folder.absolute().parent.is_dir():
-        raise OutputError(f"{folder}: there is no folder {folder.parent}; make it first")
+    check_folder(folder, RUN, force=force)
 
 
 def write_run(folder: Path, comparison: Comparison, result_json: str, *, force: bool) -> None:
-    """Write a run, whole or not at all: made beside its place and then moved there.
+    """Write a run, whole or not at all.
 
     Parameters
     ----------
@@ -48,24 +42,16 @@ def write_run(folder: Path, comparison: Comparison, result_json: str, *, force: 
     OutputError
         Where it can't be written; nothing is left behind.
     """
-    check_run(folder, force=force)
-    try:
-        with tempfile.TemporaryDirectory(
-            dir=folder.absolute().parent, prefix=".bayescal-", ignore_cleanup_errors=True
-        ) as temporary:
-            made = Path(temporary) / "run"
-            made.mkdir()
-            (made / RESULT).write_text(result_json, encoding="utf-8")
-            (made / DRAWS).mkdir()
-            for name, axis in comparison.axes.items():
-                for result in axis.orders:
-                    _write_draws(made / DRAWS / f"{name}-order-{result.order}.nc", axis, result)
-                _write_corner(made / f"corner-{name}.png", axis)
-            if folder.exists():
-                folder.rename(Path(temporary) / "earlier")
-            made.rename(folder)
-    except OSError as error:
-        raise OutputError(f"{folder}: {(error.strerror or str(error)).lower()}") from None
+
+    def fill(made: Path) -> None:
+        (made / RESULT).write_text(result_json, encoding="utf-8")
+        (made / DRAWS).mkdir()
+        for name, axis in comparison.axes.items():
+            for result in axis.orders:
+                _write_draws(made / DRAWS / f"{name}-order-{result.order}.nc", axis, result)
+            _write_corner(made / f"corner-{name}.png", axis)
+
+    write_folder(folder, RUN, fill, force=force)
 
 
 def _write_draws(path: Path, axis: AxisComparison, result: OrderResult) -> None:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from rich import box
-from rich.console import RenderableType
+from rich.console import Group, RenderableType
 from rich.table import Table
+from rich.text import Text
 
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
-from bayescal.report.rounding import rounded, significant
+from bayescal.report.render import WIDTH
+from bayescal.rounding import rounded, significant
 
 
 def orders_table(axis: AxisComparison) -> RenderableType:
@@ -21,86 +23,92 @@ def orders_table(axis: AxisComparison) -> RenderableType:
         ("order", lambda r: str(r.order)),
         ("p", lambda r: str(r.order + 1)),
         ("RSS px²", lambda r: _short(r.rss_px2)),
-        ("sigma^", lambda r: _maybe(r.fit.sigma_hat, significant_three)),
-        (
-            "chi2",
-            lambda r: _maybe(r.goodness.chi2, lambda v: f"{v:.1f}" if v < 1e5 else f"{v:.3g}"),
-        ),
+        ("sigma^", lambda r: _maybe(r.fit.sigma_hat, _three)),
+        ("chi2", lambda r: _maybe(r.goodness.chi2, _fixed(1))),
         ("dof", lambda r: str(r.goodness.dof)),
-        ("chi2/dof", lambda r: _maybe(r.goodness.chi2_reduced, significant_three)),
+        ("chi2/dof", lambda r: _maybe(r.goodness.chi2_reduced, _three)),
         ("p chi2", lambda r: _maybe(r.goodness.p_value, _p))
         if known
         else ("p F", lambda r: _maybe(r.goodness.f_p_value, _p)),
         ("dAIC", _delta(axis, "aic")),
         ("dAICc", _delta(axis, "aicc")),
         ("dBIC", _delta(axis, "bic")),
-        ("ln Z", lambda r: _maybe(r.log_evidence, lambda v: f"{v:.2f}")),
+        ("ln Z", lambda r: _maybe(r.log_evidence, _fixed(2))),
         ("prob.", lambda r: _maybe(r.probability, percent)),
     ]
-    table = start_table("", *(name for name, _ in columns))
-    for result in axis.orders:
-        chosen = result.order == axis.verdict.order
-        cells = [value(result) for _, value in columns]
-        table.add_row(">" if chosen else "", *cells, style="bold" if chosen else "")
-    return table
-
-
-def coefficients_table(axis: AxisComparison, result: OrderResult) -> RenderableType:
-    """Coefficients of one order as sampled, with their uncertainties and diagnostics."""
-    what = f"order {result.order}"
-    if axis.verdict.order is None:
-        what += " (lowest BIC)"
-    table = start_table(
-        f"{what}, {_unit(axis)}",
-        "least sq.",
-        "mean",
-        "sd",
-        "95% interval",
-        "MCSE",
-        "ESS bulk",
-        "ESS tail",
-        "R-hat",
+    heads = ["", *(name for name, _ in columns)]
+    chosen = [r.order == axis.verdict.order for r in axis.orders]
+    rows = [
+        [">" if mark else "", *(value(r) for _, value in columns)]
+        for mark, r in zip(chosen, axis.orders, strict=True)
+    ]
+    return make_table(
+        heads,
+        rows,
+        bold=chosen.index(True) if any(chosen) else None,
+        spare=("dAIC", "chi2", "sigma^", "dAICc"),
     )
+
+
+def coefficients_table(
+    axis: AxisComparison, result: OrderResult, *, full: bool = False
+) -> RenderableType:
+    """Coefficients of one order as sampled, with their uncertainties and diagnostics.
+
+    `full` shows bulk and tail ESS, and leaves least squares to the table beside it.
+    """
+    heads = ["mean", "sd", "95% interval", "MCSE"]
+    heads = [*heads, "ESS bulk", "ESS tail"] if full else ["least sq.", *heads, "ESS"]
+    rows = []
     for j, p in enumerate(result.posterior.parameters):
         sd = p.sd
         low, high = p.interval
-        table.add_row(
-            "tau / size" if p.name == "tau" else p.name,
-            rounded(float(result.fit.coefficients[j]), sd) if j <= result.order else "",
+        cells = [
             rounded(p.mean, sd),
             significant(sd),
             f"{rounded(low, sd)} to {rounded(high, sd)}",
             significant(p.mcse_mean, 1),
-            f"{p.ess_bulk:.0f}",
-            f"{p.ess_tail:.0f}",
-            f"{p.rhat:.3f}",
-        )
-    return table
+        ]
+        if full:
+            cells += [f"{p.ess_bulk:.0f}", f"{p.ess_tail:.0f}"]
+        else:
+            fitted = rounded(float(result.fit.coefficients[j]), sd) if j <= result.order else ""
+            cells = [fitted, *cells, f"{min(p.ess_bulk, p.ess_tail):.0f}"]
+        rows.append([_unitless(p.name), *cells, f"{p.rhat:.3f}"])
+    heads = [f"order {result.order}, {_unit(axis)}", *heads, "R-hat"]
+    return make_table(heads, rows, spare=("least sq.", "MCSE", "ESS", "ESS bulk"))
+
+
+def _unitless(name: str) -> str:
+    return {"tau": "tau / size", "scale": "scale / 1"}.get(name, name)
 
 
 def exact_table(axis: AxisComparison, result: OrderResult) -> RenderableType:
     """Least squares and the closed form of one order, beside each other."""
-    table = start_table(
+    heads = [
         f"without sampling, {_unit(axis)}",
         "least squares",
         "standard error",
         "exact mean",
         "exact sd",
         "draws off by",
-    )
+    ]
+    rows = []
     errors = result.fit.standard_errors
     for j, p in enumerate(result.posterior.parameters):
         fitted = j <= result.order
         error = float(errors[j]) if errors is not None and fitted else None
-        table.add_row(
-            "tau / size" if p.name == "tau" else p.name,
-            rounded(float(result.fit.coefficients[j]), error or p.exact_sd) if fitted else "",
-            _maybe(error, significant),
-            rounded(p.exact_mean, p.exact_sd),
-            significant(p.exact_sd),
-            f"{p.deviation:.1f} MC errors",
+        rows.append(
+            [
+                _unitless(p.name),
+                rounded(float(result.fit.coefficients[j]), error or p.exact_sd) if fitted else "",
+                _maybe(error, significant),
+                rounded(p.exact_mean, p.exact_sd),
+                significant(p.exact_sd),
+                f"{p.deviation:.1f} MC errors",
+            ]
         )
-    return table
+    return make_table(heads, rows, spare=("draws off by",))
 
 
 def facts(axis: AxisComparison, result: OrderResult) -> RenderableType:
@@ -139,7 +147,7 @@ def facts(axis: AxisComparison, result: OrderResult) -> RenderableType:
 def _reduced(axis: AxisComparison, good: GoodnessOfFit) -> str:
     if good.chi2_reduced is None:
         return "blank: there is no sigma to measure chi2 in"
-    if axis.reference.source != "known":
+    if axis.reference.source == "highest-order":
         return f"{good.chi2_reduced:.4g}, by construction: sigma is taken from the same residuals"
     return f"{good.chi2_reduced:.4g} (its sd if the model is right: {good.chi2_reduced_sd:.2g})"
 
@@ -148,18 +156,51 @@ def _unit(axis: AxisComparison) -> str:
     return "units of y" if axis.data.axis == "y" else "px"
 
 
-def significant_three(value: float) -> str:
-    """Three significant digits."""
-    return significant(value, 3)
+def _three(value: float) -> str:
+    return significant(value, 3) if 1e-4 < abs(value) < 1e5 or value == 0 else f"{value:.2e}"
 
 
-def start_table(first: str, *others: str) -> Table:
-    """Start a table whose columns after the first are numbers."""
+def _fixed(decimals: int) -> Callable[[float], str]:
+    """Format with so many decimals, or as a power of ten where that would be too wide."""
+    return lambda value: f"{value:.{decimals}f}" if abs(value) < 1e5 else f"{value:.3g}"
+
+
+def make_table(
+    heads: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    bold: int | None = None,
+    spare: Sequence[str] = (),
+) -> RenderableType:
+    """Lay out cells, the columns after the first as numbers, within 100 columns.
+
+    Parameters
+    ----------
+    heads : sequence of str
+    rows : sequence of sequence of str
+        One cell for each head.
+    bold : int, optional
+        The row to stress.
+    spare : sequence of str
+        Heads of the columns to leave out, in this order, where the numbers are so wide
+        that not all fit; a line says which.
+    """
+    widths = [max([len(head), *(len(row[i]) for row in rows)]) for i, head in enumerate(heads)]
+    kept, dropped = list(range(len(heads))), []
+    for head in spare:
+        if sum(widths[i] + 2 for i in kept) <= WIDTH:
+            break
+        if head in heads:
+            dropped.append(head)
+            kept.remove(heads.index(head))
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="")
-    table.add_column(first, no_wrap=True)
-    for name in others:
-        table.add_column(name, justify="right", no_wrap=True)
-    return table
+    for column in kept:
+        table.add_column(heads[column], justify="right" if column else "left", no_wrap=True)
+    for number, row in enumerate(rows):
+        table.add_row(*(row[i] for i in kept), style="bold" if number == bold else "")
+    if not dropped:
+        return table
+    return Group(table, Text(f"  Too wide to show: {', '.join(dropped)} (--json has them)."))
 
 
 def _delta(axis: AxisComparison, key: str) -> Callable[[OrderResult], str]:
@@ -168,7 +209,7 @@ def _delta(axis: AxisComparison, key: str) -> Callable[[OrderResult], str]:
 
     def cell(result: OrderResult) -> str:
         value = getattr(result.criteria, key)
-        return "" if value is None or best is None else f"{value - best:.1f}"
+        return "" if value is None or best is None else _fixed(1)(value - best)
 
     return cell
 
@@ -178,7 +219,7 @@ def _maybe(value: float | None, form: Callable[[float], str]) -> str:
 
 
 def _short(value: float) -> str:
-    return f"{value:.1f}" if 0.1 <= value < 1e6 else f"{value:.3g}"
+    return f"{value:.1f}" if 0.1 <= value < 1e5 else f"{value:.3g}"
 
 
 def _p(value: float) -> str:

@@ -13,8 +13,8 @@ from bayescal.report.adequacy import adequacy_view
 from bayescal.report.defence import defence_view, joint_view
 from bayescal.report.render import WIDTH as WIDTH
 from bayescal.report.render import render as render
-from bayescal.report.rounding import significant
 from bayescal.report.tables import coefficients_table, exact_table, facts, orders_table
+from bayescal.rounding import significant
 
 
 def comparison_view(comparison: Comparison) -> RenderableType:
@@ -25,6 +25,8 @@ def comparison_view(comparison: Comparison) -> RenderableType:
         parts += [defence_view(axis)]
         if axis.adequacy:
             parts.append(adequacy_view(axis.adequacy, axis.chosen.order))
+        if axis.verdict.order is None:
+            parts.append(Text("\n  No order is recommended; shown is the one of lowest BIC."))
         parts += [coefficients_table(axis, axis.chosen), Text("")]
     if all(axis.defence is not None for axis in comparison.axes.values()):
         if len(comparison.axes) == 2:
@@ -46,7 +48,7 @@ def fit_view(comparison: Comparison) -> RenderableType:
     for axis in comparison.axes.values():
         result = axis.orders[0]
         parts += [axis_title(axis), facts(axis, result), *_caveats(axis)]
-        parts += [coefficients_table(axis, result), exact_table(axis, result), Text("")]
+        parts += [coefficients_table(axis, result, full=True), exact_table(axis, result), Text("")]
     parts.append(sampling_line(comparison))
     return Group(*parts)
 
@@ -81,7 +83,8 @@ def _noise_words(axis: AxisComparison) -> str:
     words = f"Gaussian, sigma {axis.noise_source}"
     if axis.noise.bounds is not None:
         lower, upper = axis.noise.bounds
-        words += f" (ln sigma uniform from {lower:.4g} to {upper:.4g} px)"
+        unit = "" if axis.noise.source == "scale" else " px"
+        words += f" (its logarithm uniform from {lower:.4g} to {upper:.4g}{unit})"
     return words
 
 

@@ -26,6 +26,11 @@ def chi_squared(problem: Problem) -> AdequacyTest:
     sigma = problem.noise.value
     if sigma is None:
         return untested(name, "sigma is not known but taken from the same residuals")
+    if problem.noise.source == "replicates":
+        return untested(
+            name,
+            "sigma is from the replicates, whose spread the residuals contain: lack of fit instead",
+        )
     dof = problem.fit.dof
     if dof <= 0:
         return untested(name, problem.unusable or "no residual is left")
@@ -56,10 +61,13 @@ def whole_pixels(problem: Problem) -> AdequacyTest:
     if not (t == np.round(t)).all():
         return untested(name, "readings are not all whole numbers")
     if problem.data.sd is not None:
-        sigma = float(np.median(problem.data.sd)) * (problem.noise.value or 1.0)
-        whose = "the median known sigma"
+        inferred = problem.noise.value is None  # a factor on the deviations
+        factor = (problem.fit.sigma_hat if inferred else problem.noise.value) or 1.0
+        sigma = float(np.median(problem.data.sd)) * factor
+        whose = "the median sigma" if inferred else "the median known sigma"
     elif problem.noise.value is not None:
-        sigma, whose = problem.noise.value, "the known sigma"
+        known = problem.noise.source == "known"
+        sigma, whose = problem.noise.value, "the known sigma" if known else "sigma of replicates"
     elif problem.fit.sigma_hat is not None:
         sigma, whose = problem.fit.sigma_hat, "sigma of the residuals"
     else:

@@ -15,8 +15,8 @@ from bayescal.arrays import Array
 
 # Beyond this many residuals large-sample distributions are as good and cheaper.
 SIMULATED_POINTS = 400
-NUMBERS = 600_000  # normal deviates drawn for a small problem, about 6 ms
-FEWEST, MOST = 1999, 9999  # simulations
+NUMBERS = 250_000  # normal deviates drawn for a small problem
+FEWEST, MOST = 999, 4999  # simulations
 
 
 def simulated_residuals(
@@ -30,7 +30,7 @@ def simulated_residuals(
         Orthonormal basis of the weighted design, ``(n, p)``.
     rng : numpy.random.Generator
     simulations : int, optional
-        By default 1999 to 9999, the fewer the more points.
+        By default 999 to 4999, the fewer the more points.
 
     Returns
     -------

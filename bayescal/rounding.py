@@ -35,7 +35,8 @@ def significant(value: float, digits: int = 2) -> str:
 
 
 def plain(value: float, places: int = 1) -> str:
-    """Format a number with fixed decimals, or with an exponent where they would not serve."""
-    if value == 0 or 10**-places <= abs(value) < 1e5:
-        return f"{value:.{places}f}"
-    return f"{value:.1e}"
+    """Format a number in at most seven characters and a sign, with decimals while they fit."""
+    size = abs(value)
+    if size >= 1e6 or (0 < size < 10**-places):
+        return f"{value:.1e}"
+    return f"{value:.{places if size < 1e4 else 0}f}"

@@ -1,0 +1,95 @@
+"""``bayescal reproduce``: the thesis's own procedure, as written and as coded."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from bayescal.commands import options as shared
+from bayescal.commands.output import DONE, add_output, check_json, publish
+
+HELP = "the thesis's own procedure, as written and as coded"
+DESCRIPTION = (
+    "Least squares of orders 1-5 of r and c as the thesis writes them (eq. 33-53) and as its "
+    "listing codes them (Appendix B: r's third and higher powers from y/z), and the elimination "
+    "of bad points by a chi-squared test, before and after beside each other."
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    shared.add_points(parser)
+    elimination = parser.add_argument_group("elimination")
+    elimination.add_argument(
+        "--significance",
+        type=float,
+        default=0.05,
+        metavar="P",
+        help="chance of removing any point from data without a bad one (0.05)",
+    )
+    elimination.add_argument(
+        "--per-point",
+        action="store_true",
+        help="take that for the chance of calling any one good point bad",
+    )
+    elimination.add_argument(
+        "--common",
+        action="store_true",
+        help="compare all orders on the points that every order keeps",
+    )
+    elimination.add_argument(
+        "--sigma",
+        type=sigma,
+        default="inferred",
+        metavar="inferred|PX",
+        help="noise level: inferred from the residuals, or known, px (inferred)",
+    )
+    add_output(
+        parser, "write figures 6-10 (PNG, SVG) and all numbers, reproduction.json", progress=False
+    )
+
+
+def sigma(text: str) -> float | str:
+    """Parse a noise level: a number of px, or ``inferred``."""
+    if text == "inferred":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is neither 'inferred' nor a number of px"
+        ) from None
+
+
+def run(options: argparse.Namespace) -> int:
+    """Reproduce, print and write; return the exit code."""
+    from bayescal.report.facts import dumps
+    from bayescal.report.reproduction import reproduction_view
+    from bayescal.report.reproduction_document import reproduction_document
+    from bayescal.reproduction import reproduce
+
+    check_json(options)
+    if options.out is not None:
+        from bayescal.report.reproduction_run import check_reproduction
+
+        check_reproduction(Path(options.out), force=options.force)
+    result = reproduce(
+        shared.points(options),
+        significance=options.significance,
+        per_point=options.per_point,
+        sigma=options.sigma,
+        common=options.common,
+    )
+
+    def write(folder: Path, text: str) -> None:
+        from bayescal.report.reproduction_run import write_reproduction
+
+        write_reproduction(folder, result, text, force=options.force)
+
+    publish(
+        options,
+        lambda: dumps(reproduction_document(result, options.command_line)),
+        write,
+        lambda: reproduction_view(result),
+    )
+    return DONE

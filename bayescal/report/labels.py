@@ -1,0 +1,159 @@
+"""Names beside the points of a figure, placed so that they cover nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from bayescal.arrays import Array
+
+FONT_SIZE = 6.5  # pt
+# Size of a digit of the default font as a fraction of its size.
+DIGIT_WIDTH, DIGIT_HEIGHT = 0.64, 0.76
+MARKER, GAP = 2.2, 1.2  # half a marker, and what stays free beside it, pt
+STROKE = 0.6  # half the width that a line takes, pt
+APART = 1.8  # between two names, pt
+REACH = 40.0  # how far from a point its name can matter, pt
+AMBIGUOUS = 5.0  # cost, pt^2, of a place nearer to another point than to its own
+
+
+@dataclass(frozen=True)
+class Box:
+    """A rectangle on the page, pt."""
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+    def overlap(self, other: Box) -> float:
+        """Area shared with another box, pt^2."""
+        width = min(self.right, other.right) - max(self.left, other.left)
+        height = min(self.top, other.top) - max(self.bottom, other.bottom)
+        return max(width, 0.0) * max(height, 0.0)
+
+    def grown(self, by: float) -> Box:
+        """Give the box with so much more on every side, pt."""
+        return Box(self.left - by, self.bottom - by, self.right + by, self.top + by)
+
+    def distance(self, x: float, y: float) -> float:
+        """Distance to a place, pt; 0 inside."""
+        return float(
+            np.hypot(
+                max(self.left - x, 0.0, x - self.right), max(self.bottom - y, 0.0, y - self.top)
+            )
+        )
+
+    def outside(self, other: Box) -> float:
+        """Area that sticks out of another box, pt^2."""
+        area = (self.right - self.left) * (self.top - self.bottom)
+        return area - self.overlap(other)
+
+
+def name_points(
+    ax: Axes,
+    x: Array,
+    y: Array,
+    named: Sequence[int],
+    *,
+    stems: bool = False,
+    lines: Sequence[float] = (),
+    curve: Array | None = None,
+) -> list[str]:
+    """Write the numbers of some points beside them, covering no marker, line or name.
+
+    The figure's layout must be final, for the places are found on the page.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    x, y : Array
+        All points drawn, ``(n_points,)``, in the axes' units.
+    named : sequence of int
+        Points to name, from 0, the most important first.
+    stems : bool, optional
+        Whether lines go from zero to each point.
+    lines : sequence of float, optional
+        Heights of lines across the axes.
+    curve : Array, optional
+        Places on a curve drawn, ``(n_places, 2)``, in the axes' units.
+
+    Returns
+    -------
+    list of str
+        The names written.
+    """
+    figure = ax.get_figure(root=True)
+    assert figure is not None
+    scale = 72 / figure.dpi
+    drawn = np.flatnonzero(np.isfinite(y))
+    places = np.full((len(x), 2), np.nan)
+    places[drawn] = ax.transData.transform(np.column_stack([x, y])[drawn]) * scale
+    zero = float(ax.transData.transform((0.0, 0.0))[1]) * scale
+    taken = []
+    for px, py in places[drawn].tolist():
+        low, high = (min(py, zero), max(py, zero)) if stems else (py, py)
+        taken.append(Box(px - MARKER, py - MARKER, px + MARKER, py + MARKER))
+        taken.append(Box(px - STROKE, low, px + STROKE, high))
+    if curve is not None:
+        for px, py in (ax.transData.transform(curve) * scale).tolist():
+            taken.append(Box(px, py, px, py).grown(STROKE))
+    frame = ax.get_window_extent()
+    page = Box(*(float(v) * scale for v in (frame.x0, frame.y0, frame.x1, frame.y1)))
+    for line in lines:
+        height = float(ax.transData.transform((0.0, line))[1]) * scale
+        taken.append(Box(page.left, height - STROKE, page.right, height + STROKE))
+    names = []
+    for point in named:
+        if not np.isfinite(places[point]).all():
+            continue
+        px, py = places[point].tolist()
+        near = [t for t in taken if t.distance(px, py) < REACH]
+        gaps = np.hypot(*(places[drawn[drawn != point]] - places[point]).T)
+        others = places[drawn[drawn != point]][gaps < REACH].tolist()
+
+        def cost(
+            box: Box,
+            px: float = px,
+            py: float = py,
+            near: list[Box] = near,
+            others: list[list[float]] = others,
+        ) -> float:
+            covered = sum(box.overlap(t) for t in near) + 10 * box.outside(page)
+            own = box.distance(px, py)
+            return covered + AMBIGUOUS * any(box.distance(*other) < own for other in others)
+
+        name = str(point + 1)
+        box = min(_candidates(px, py, len(name), upwards=py >= zero or not stems), key=cost)
+        taken.append(box.grown(APART))
+        names.append(name)
+        middle = np.array([box.left + box.right, box.bottom + box.top]) / 2
+        note = ax.annotate(
+            name,
+            (float(x[point]), float(y[point])),
+            xytext=(float(middle[0]) - px, float(middle[1]) - py),
+            textcoords="offset points",
+            ha="center",
+            va="center_baseline",
+            fontsize=FONT_SIZE,
+        )
+        note.set_in_layout(False)
+    return names
+
+
+def _candidates(px: float, py: float, digits: int, *, upwards: bool) -> Iterator[Box]:
+    """Boxes for a name, the best place first: outward of the point, then around it."""
+    width = (digits * DIGIT_WIDTH + 0.1) * FONT_SIZE
+    height = DIGIT_HEIGHT * FONT_SIZE
+    sign = 1.0 if upwards else -1.0
+    beside = MARKER + GAP + width / 2
+    out = MARKER + GAP + height / 2
+    for step in range(4):
+        rise = step * 0.9 * height
+        shifts = [(0.0, out), (beside, 0.0), (-beside, 0.0), (beside, out), (-beside, out)]
+        for dx, dy in [*shifts, (0.0, -out)] if step == 0 else shifts:
+            x, y = px + dx, py + sign * (dy + rise)
+            yield Box(x - width / 2, y - height / 2, x + width / 2, y + height / 2)

@@ -1,0 +1,80 @@
+"""Caveats: what a comparison can't vouch for is said, and only then."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import bayescal as bc
+from bayescal.comparison.caveats import caveats
+from bayescal.comparison.results import OrderResult
+from bayescal.inference.closed_form import exact_posterior
+from bayescal.inference.posterior import sample_posterior
+from bayescal.points.setup import Setup
+from tests.problems import make_model, thesis_axis
+from tests.wrong_proposals import Misstated
+
+
+@pytest.fixture
+def result(thesis_comparison) -> OrderResult:
+    """Order 2 of c, soundly sampled."""
+    return thesis_comparison.axes["c"][2]
+
+
+@pytest.fixture
+def noise(thesis_comparison):
+    return thesis_comparison.axes["c"].noise
+
+
+def test_a_sound_result_has_no_caveat(result, noise):
+    assert caveats([result], noise) == []
+    assert result.sound
+
+
+def test_draws_at_odds_with_the_closed_form_are_said_to_be(result, noise):
+    """Negative control: draws of a proposal 10 % wider than it claims."""
+    exact = exact_posterior(make_model(thesis_axis("c"), 2))
+    wrong = sample_posterior(
+        exact.model, np.random.default_rng(9), 4000, exact, Misstated(exact, 1.1)
+    )
+    found = replace(result, posterior=wrong)
+    assert not found.sound
+    assert any("order 2 disagree with the closed form" in c for c in caveats([found], noise))
+
+
+def test_chains_that_did_not_reach_the_rule_are_said_so(result, noise):
+    chain = replace(result.posterior.chain, converged=False)
+    found = replace(result, posterior=replace(result.posterior, chain=chain))
+    assert not found.sound
+    assert any("order 2 did not reach the stopping rule" in c for c in caveats([found], noise))
+
+
+def test_exact_fits_are_named(result, noise):
+    found = replace(result, fit=replace(result.fit, exact=True))
+    assert any("order 2 fits exactly" in c for c in caveats([found], noise))
+
+
+@pytest.mark.parametrize(("noise_px", "side"), [(1e-4, "lower"), (3000.0, "upper")])
+def test_sigma_piling_up_at_a_bound_is_said(noise_px, side):
+    points = bc.thesis()
+    x, _, z = points.world.T
+    pixels = points.pixels.copy()
+    noise = np.random.default_rng(1).normal(0, noise_px, len(points))
+    pixels[:, 0] = 960 + 1000 * (x - 330) / z + noise
+    other = bc.Correspondences.from_arrays(points.world, pixels, setup=points.setup)
+    verdict = bc.compare(other, [1], axis="r", ess=100).axes["r"].verdict
+    assert any(f"{side} bound" in caveat for caveat in verdict.caveats)
+
+
+def test_assumptions_are_noted():
+    """The thesis states no width; unknown sizes and points behind the camera are said too."""
+    assert "image width 1920 px is assumed" in bc.compare(bc.thesis(), [1], ess=100).notes
+    world = np.column_stack([np.linspace(-3, 3, 8), np.ones(8), np.full(8, 5.0)])
+    world[0, 2] = -5
+    pixels = np.column_stack([np.linspace(0, 80, 8) ** 1.1, np.ones(8)])
+    points = bc.Correspondences.from_arrays(world, pixels, setup=Setup(position=(0, 0, 0)))
+    found = " ".join(bc.compare(points, [1], axis="r", ess=100).notes)
+    assert "image size is not known" in found
+    assert "1 of 8 points lie behind the camera" in found

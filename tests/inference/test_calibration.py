@@ -1,0 +1,111 @@
+"""Simulation-based calibration: truths drawn from the prior have uniform ranks.
+
+Talts et al. 2018 (arXiv:1804.06788). Everything is drawn from the default prior as it
+stands: sigma log-uniform from 0.01 to 1000 px, tau from 0.001 to 0.5, amplitudes given
+tau. The log density at the truth joins the parameters as a quantity to rank, as it
+sees errors that no single parameter shows (Modrak et al. 2023, arXiv:2211.02383).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.polynomial import Legendre, Polynomial
+from scipy import stats
+
+from bayescal.inference.posterior import sample_posterior
+from bayescal.inference.target import log_prob
+from tests.problems import make_axis, make_model
+
+SIMULATIONS = 256
+DRAWS = 255  # ranks 0 to 255, 16 to a bin
+BINS = 16
+LEVEL = 1e-3  # of the whole family of tests
+SIZE = 1000.0  # px
+X = np.linspace(-0.4, 0.7, 15)
+
+
+def simulated(order: int, rng: np.random.Generator):
+    """A truth from the prior and data from the truth: theta, reported truth, points."""
+    log_sigma = rng.uniform(np.log(0.01), np.log(1000))
+    log_tau = rng.uniform(np.log(0.001), np.log(0.5))
+    scale = np.full(order + 1, np.exp(log_tau) * SIZE)
+    scale[:2] = SIZE / 2
+    b = rng.normal(0, scale)
+    b[0] += SIZE / 2
+    series = Legendre(b, domain=[X[0], X[-1]])
+    t = series(X) + np.exp(log_sigma) * rng.standard_normal(len(X))
+    hyper = [log_sigma, log_tau] if order > 1 else [log_sigma]
+    monomials = series.convert(kind=Polynomial).coef
+    return np.append(b, hyper), np.append(monomials, np.exp(hyper)), make_axis(X, t, SIZE)
+
+
+def independent(chains: np.ndarray) -> np.ndarray:
+    """255 draws at least 16 steps apart, (255, ...): the autocorrelation time is about 1."""
+    return chains[:, 15::16].reshape(-1, *chains.shape[2:])[:DRAWS]
+
+
+@cache
+def posteriors(order: int) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Per simulation: the truth, and draws of the same quantities, (255, quantities)."""
+    rng = np.random.default_rng([2024, order])
+    out = []
+    for _ in range(SIMULATIONS):
+        theta, truth, data = simulated(order, rng)
+        model = make_model(data, order)
+        chain = sample_posterior(model, rng, 1000).chain
+        draws = np.column_stack([independent(chain.draws), independent(chain.log_prob)])
+        out.append((np.append(truth, log_prob(model, theta[None])), draws))
+    return out
+
+
+def p_values(ranks: np.ndarray) -> np.ndarray:
+    """Chi-squared test of uniform ranks of each quantity, (simulations, quantities)."""
+    counts = np.array(
+        [np.bincount(column * BINS // (DRAWS + 1), minlength=BINS) for column in ranks.T]
+    )
+    return stats.chisquare(counts, axis=1).pvalue
+
+
+def holm(p: np.ndarray) -> np.ndarray:
+    """Holm's step-down adjustment: each p-value at the level of the family."""
+    ascending = np.argsort(p)
+    adjusted = np.maximum.accumulate(p[ascending] * np.arange(len(p), 0, -1))
+    out = np.empty(len(p))
+    out[ascending] = np.minimum(adjusted, 1)
+    return out
+
+
+def ranks(order: int, shrink: float = 1.0) -> np.ndarray:
+    """Ranks of the truths among draws, those of parameters shrunk about their means."""
+    rows = []
+    for truth, draws in posteriors(order):
+        centre = draws.mean(axis=0)
+        rows.append((centre + shrink * (draws - centre) < truth).sum(axis=0))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_ranks_of_the_truths_are_uniform(order):
+    """Family-wise level 1e-3 over the parameters, sigma, tau and the log density."""
+    assert holm(p_values(ranks(order))).min() > LEVEL / 3  # three orders share the level
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_deviations_30_percent_too_small_are_rejected(order):
+    """Negative control: the same draws, shrunk about their means; every coefficient shows it."""
+    p = holm(p_values(ranks(order, shrink=0.7)))
+    assert (p[: order + 1] < LEVEL / 3).all()
+
+
+def test_shifted_posteriors_are_rejected():
+    """Negative control: draws half a deviation too high."""
+    rows = [(draws + 0.5 * draws.std(axis=0) < truth).sum(axis=0) for truth, draws in posteriors(3)]
+    assert (holm(p_values(np.array(rows)))[:4] < LEVEL / 3).all()
+
+
+def test_holm_is_the_step_down_rule():
+    """By hand: sorted p times 4, 3, 2, 1, never falling."""
+    np.testing.assert_allclose(holm(np.array([0.03, 0.01, 0.5, 0.02])), [0.06, 0.04, 0.5, 0.06])

@@ -1,0 +1,211 @@
+"""Proposals: their draws follow the density they claim, which integrates to one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from bayescal.inference.closed_form import ExactPosterior, exact_posterior
+from bayescal.inference.coordinates import WhitenedProposal, Whitening
+from bayescal.inference.model import LinearModel
+from bayescal.inference.proposal import Hats, LinearProposal, Proposal
+from tests.brute_force import panels
+from tests.problems import STATED_R, make_axis, make_model, thesis_axis
+
+
+@dataclass
+class Case:
+    """A model whose proposal is put to the test."""
+
+    axis: str
+    order: int
+    options: dict
+
+    def model(self) -> LinearModel:
+        return make_model(thesis_axis(self.axis), self.order, **self.options)
+
+
+CASES = {
+    "line": Case("r", 1, {}),
+    "tau inferred": Case("c", 3, {}),
+    "highest order": Case("r", 5, {}),
+    "tau fixed": Case("c", 4, {"tau": 0.05}),
+    "sigma known": Case("c", 3, {"sigma": 3.0}),
+    "both known": Case("c", 3, {"sigma": 3.0, "tau": 0.05}),
+    "flat": Case("c", 2, {"prior": "flat"}),
+    "stated": Case("r", 4, {"prior": "stated", "stated": STATED_R}),
+}
+
+
+def bulk_densities(exact: ExactPosterior, rng: np.random.Generator) -> list:
+    """Seven normalised log densities well inside the posterior's bulk.
+
+    Amplitudes: a normal half as wide as the posterior, near its mean; ln sigma and
+    ln tau: uniform between the posterior's quartiles.
+    """
+    p = exact.model.size
+    covariance = exact.covariance / 4
+    root = np.linalg.cholesky(covariance)
+    boxes = []
+    for values, mass in exact.hyperparameters:
+        quartiles = np.interp([0.25, 0.75], np.cumsum(mass), np.log(values))
+        boxes.append(stats.uniform(quartiles[0], np.ptp(quartiles)))
+
+    def log_density(shift):
+        normal = stats.multivariate_normal(exact.mean + root @ shift, covariance)
+
+        def f(theta):
+            rest = [box.logpdf(v) for box, v in zip(boxes, theta[:, p:].T, strict=True)]
+            return normal.logpdf(theta[:, :p]) + sum(rest)
+
+        return f
+
+    return [log_density(shift) for shift in [np.zeros(p), *rng.normal(0, 0.5, (6, p))]]
+
+
+def scores(proposal: Proposal, exact: ExactPosterior, draws: np.ndarray) -> np.ndarray:
+    """Standard scores of mean(f / q) - 1 over draws from q, for each density f.
+
+    For any density f that q covers the mean is 1 exactly if the draws follow q and q
+    is normalised where f lives.
+    """
+    log_q = proposal.log_density(draws)
+    out = []
+    for f in bulk_densities(exact, np.random.default_rng(1)):
+        ratio = np.exp(f(draws) - log_q)
+        out.append((ratio.mean() - 1) / (ratio.std() / np.sqrt(len(ratio))))
+    return np.array(out)
+
+
+KINDS = {"exact width": 1.0, "twice as wide": 2.0, "narrower": 0.8}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", CASES)
+def test_draws_follow_their_normalised_density(name, kind):
+    """The contract: seven identities, each within 4.5 standard errors."""
+    exact = exact_posterior(CASES[name].model())
+    proposal = LinearProposal(exact, width=KINDS[kind])
+    draws = proposal.draw(np.random.default_rng(7), 40_000)
+    assert draws.shape == (40_000, exact.model.dimension)
+    assert np.isfinite(proposal.log_density(draws)).all()
+    assert np.abs(scores(proposal, exact, draws)).max() < 4.5
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_draws_wider_than_their_density_fail_the_contract(name):
+    """Negative control: the same identities with draws 10 % wider."""
+    exact = exact_posterior(CASES[name].model())
+    draws = LinearProposal(exact, width=1.1).draw(np.random.default_rng(7), 40_000)
+    assert np.abs(scores(LinearProposal(exact), exact, draws)).max() > 6
+
+
+def test_the_whitened_proposal_is_the_same_density_up_to_its_jacobian():
+    """Identity: per unit of theta, at theta = centre + factor u."""
+    exact = exact_posterior(CASES["tau inferred"].model())
+    linear, whitening = LinearProposal(exact), Whitening.of(exact)
+    whitened = WhitenedProposal(linear, whitening)
+    u = whitened.draw(np.random.default_rng(3), 1000)
+    theta = linear.draw(np.random.default_rng(3), 1000)
+    np.testing.assert_allclose(whitening.theta(u), theta, rtol=1e-12)
+    np.testing.assert_allclose(whitened.log_density(u), linear.log_density(theta), atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["line", "tau inferred", "highest order", "stated"])
+def test_whitened_draws_have_unit_scale(name):
+    """Near 0 and 1 by median and central 68 %: sigma and tau are skewed, and 1 % of the
+    draws are spread over their bounds.
+    """
+    exact = exact_posterior(CASES[name].model())
+    whitened = WhitenedProposal(LinearProposal(exact), Whitening.of(exact))
+    u = whitened.draw(np.random.default_rng(3), 20_000)
+    inner = np.quantile(u, [0.16, 0.84], axis=0)
+    assert np.abs(np.median(u, axis=0)).max() < 0.5
+    assert (np.abs(np.diff(inner, axis=0) / 2 - 1) < 0.3).all()
+
+
+def test_density_of_a_line_with_unknown_sigma_integrates_to_one():
+    """Quadrature in three dimensions, exact for what is linear between nodes.
+
+    Between nodes of ln sigma the density is linear times a normal of b: two Gauss
+    points there, a trapezoid of 21 points over +-8 deviations of each amplitude.
+    """
+    exact = exact_posterior(make_model(thesis_axis("r"), 1))
+    proposal = LinearProposal(exact)
+    total, _ = _integrate_over_amplitudes(proposal, exact, exact.sigma_rule.nodes, None)
+    # Outside the followed panels ln sigma has only its share of the uniform part.
+    lower, upper = np.log(exact.model.noise.bounds)
+    covered = np.ptp(exact.sigma_rule.nodes) / (upper - lower)
+    assert total == pytest.approx(1 - 0.01 * (1 - covered), abs=1e-6)
+
+
+def test_ln_sigma_of_a_line_follows_the_marginal_of_its_own_density():
+    """Kolmogorov-Smirnov against the density integrated over both amplitudes."""
+    exact = exact_posterior(make_model(thesis_axis("r"), 1))
+    proposal = LinearProposal(exact)
+    _, cumulative = _integrate_over_amplitudes(proposal, exact, exact.sigma_rule.nodes, None)
+    drawn = proposal.draw(np.random.default_rng(5), 20_000)[:, 2]
+    nodes = exact.sigma_rule.nodes
+    inside = drawn[(drawn >= nodes[0]) & (drawn <= nodes[-1])]
+    result = stats.kstest(inside, lambda v: np.interp(v, nodes, cumulative / cumulative[-1]))
+    assert result.pvalue > 1e-3
+
+
+def test_ln_tau_of_a_parabola_follows_the_marginal_of_its_own_density():
+    """The same in four dimensions, ln tau between its nodes; and the integral is one."""
+    rng = np.random.default_rng(1)
+    x = np.linspace(-1, 1, 30)
+    # Noise far below the smallest tau: the amplitudes hardly depend on tau.
+    data = make_axis(x, 500 + 300 * x + 20 * (1.5 * x**2 - 0.5) + rng.normal(0, 0.1, 30))
+    exact = exact_posterior(make_model(data, 2, sigma=0.1))
+    proposal = LinearProposal(exact)
+    nodes = exact.tau_rule.nodes
+    total, cumulative = _integrate_over_amplitudes(proposal, exact, None, nodes)
+    assert total == pytest.approx(1, abs=1e-6)
+    drawn = proposal.draw(np.random.default_rng(5), 20_000)[:, 3]
+    result = stats.kstest(drawn, lambda v: np.interp(v, nodes, cumulative))
+    assert result.pvalue > 1e-3
+
+
+def _integrate_over_amplitudes(proposal, exact, sigma_nodes, tau_nodes):
+    """Integral of the density, and its cumulative at the nodes of the last parameter."""
+    p = exact.model.size
+    nodes = sigma_nodes if sigma_nodes is not None else tau_nodes
+    gauss, weight = np.polynomial.legendre.leggauss(2)
+    half = np.diff(nodes) / 2
+    places = (nodes[:-1] + half)[:, None] + half[:, None] * gauss
+    z = np.linspace(-8, 8, 21)
+    grid = np.stack(np.meshgrid(*[z] * p, indexing="ij"), axis=-1).reshape(-1, p)
+    root = np.linalg.cholesky(exact.covariance)
+    typical = float(np.mean([exact.summary[0][p]])) if sigma_nodes is not None else 1.0
+    steps = []
+    for row in places:
+        inner = 0.0
+        for place, w in zip(row, weight, strict=True):
+            # Amplitudes are as wide as sigma says, to within the weak prior.
+            scale = np.exp(place) / typical if sigma_nodes is not None else 1.0
+            b = exact.mean + scale * grid @ root.T
+            theta = np.column_stack([b, np.full(len(b), place)])
+            volume = (z[1] - z[0]) ** p * np.prod(np.diag(root)) * scale**p
+            inner += w * volume * np.exp(proposal.log_density(theta)).sum()
+        steps.append(inner)
+    cumulative = np.append(0.0, np.cumsum(np.array(steps) * half))
+    return cumulative[-1], cumulative
+
+
+@pytest.mark.parametrize("nodes", [[0.0, 1.0], [0.0, 0.1, 0.5, 2.0], list(np.cumsum(range(1, 9)))])
+def test_hats_draw_their_own_triangle(nodes):
+    """Closed form: between two nodes the density of a hat is linear (K-S per hat)."""
+    hats = Hats(np.array(nodes, dtype=float))
+    rng = np.random.default_rng(2)
+    for j, mass in enumerate(hats.mass):
+        drawn = hats.draw(rng, np.full(4000, j))
+        places, weights = panels(nodes[0], nodes[-1], 0.01)
+        height = np.interp(places, nodes, np.eye(len(nodes))[j])
+        assert mass == pytest.approx(weights @ height, rel=1e-3)
+        cumulative = np.cumsum(weights * height) / (weights @ height)
+        result = stats.kstest(drawn, lambda v, p=places, c=cumulative: np.interp(v, p, c))
+        assert result.pvalue > 1e-4

@@ -1,0 +1,108 @@
+"""Standard streams that are closed, full, narrow or cut off; nothing half written."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.points.examples import rows, text, write
+from tests.report.command import apart, environment
+
+SHORT = ("--orders", "1", "--axis", "r", "--ess", "100")
+COMMAND = [sys.executable, "-W", "error", "-m", "bayescal"]
+
+
+@pytest.mark.parametrize(
+    "arguments", [("--help",), ("compare", *SHORT), ("compare", *SHORT, "--json", "-")]
+)
+def test_a_reader_that_goes_away_is_no_error(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [*COMMAND, *arguments],
+        cwd=tmp_path, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert process.stdout is not None
+    process.stdout.close()  # as head does, only sooner
+    _, err = process.communicate()
+    assert err == b""
+    assert process.returncode == 0
+
+
+@pytest.mark.parametrize("stream", [">&-", "2>&-", ">&- 2>&- <&-"])
+def test_closed_streams_are_no_error(stream: str, tmp_path: Path) -> None:
+    for arguments, code in (("--version", 0), ("compare none.csv", 2), ("compare -", 2)):
+        closed = f"{stream} <&-" if arguments.endswith("-") else stream
+        done = subprocess.run(
+            ["sh", "-c", f'"$@" {arguments} {closed}', "sh", *COMMAND],
+            cwd=tmp_path, env=environment(), capture_output=True, text=True,
+        )  # fmt: skip
+        assert done.returncode == code
+        assert "Traceback" not in done.stderr
+        if code == 2:
+            assert done.stdout == ""  # a complaint never lands where results go
+
+
+def test_a_terminal_that_knows_only_ascii(tmp_path: Path) -> None:
+    points = write(tmp_path, text(rows(20)), "Eichpünktchen.csv")
+    tables = apart(
+        "compare", points.name, *SHORT, folder=tmp_path, PYTHONIOENCODING="ascii", LC_ALL="C"
+    )
+    assert (tables.returncode, tables.stderr) == (0, b"")
+    assert "RSS px" in tables.stdout.decode("ascii")
+    refused = apart("compare", "fehlt-ü.csv", folder=tmp_path, PYTHONIOENCODING="ascii")
+    assert refused.returncode == 2
+    assert refused.stderr.count(b"\n") == 1
+
+
+def test_the_document_keeps_every_name_whatever_the_terminal(tmp_path: Path) -> None:
+    points = write(tmp_path, text(rows(20)), "Eichpünktchen.csv")
+    for encoding in ("latin-1", "ascii"):
+        done = apart(
+            "compare", points.name, *SHORT, "--json", "-",
+            folder=tmp_path, PYTHONIOENCODING=encoding,
+        )  # fmt: skip
+        assert json.loads(done.stdout)["data"]["source"] == points.name
+
+
+def test_a_name_that_is_no_text_is_no_error(tmp_path: Path) -> None:
+    name = b"points-\xff.csv".decode("utf-8", "surrogateescape")
+    (tmp_path / name).write_text(text(rows(20)))
+    done = apart("compare", name, *SHORT, "--json", "result.json", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert json.loads((tmp_path / "result.json").read_bytes())["data"]["n_points"] == 20
+
+
+def test_standard_input(tmp_path: Path) -> None:
+    done = apart("compare", "-", *SHORT, folder=tmp_path, stdin=text(rows(20)).encode())
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert done.stdout.startswith(b"20 points from standard input")
+
+
+def files_of_at_most(size: int) -> Callable[[], None]:
+    """Limit how large a file a process may write, as a full disk would."""
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    return limit
+
+
+@pytest.mark.parametrize(
+    ("option", "size"), [("--json", 1_000), ("--out", 1_000), ("--out", 66_000)]
+)
+def test_a_full_disk_leaves_nothing_behind(option: str, size: int, tmp_path: Path) -> None:
+    (tmp_path / "old").write_text("precious")
+    done = subprocess.run(
+        [*COMMAND, "compare", *SHORT, option, "new"],
+        cwd=tmp_path, env=environment(), capture_output=True, text=True,
+        preexec_fn=files_of_at_most(size),
+    )  # fmt: skip
+    assert done.stdout == ""
+    assert done.stderr == "bayescal: new: file too large\n"
+    assert done.returncode == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["old"]
