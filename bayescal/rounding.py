@@ -17,11 +17,9 @@ def decimals_for(uncertainty: float, digits: int = 2) -> int:
 
 
 def rounded(value: float, uncertainty: float) -> str:
-    """Format a value to the decimal place of its two-digit uncertainty."""
+    """Format a value to the decimal place of its two-digit uncertainty, at most the eighth."""
     places = decimals_for(uncertainty)
-    if not -6 <= places <= 8:
-        return f"{value:.4g}"
-    return f"{round(value, places):.{max(places, 0)}f}"
+    return _fixed(value, min(places, 8)) if places >= -6 else f"{value:.4g}"
 
 
 def significant(value: float, digits: int = 2) -> str:
@@ -29,9 +27,12 @@ def significant(value: float, digits: int = 2) -> str:
     if value == 0 or not math.isfinite(value):
         return f"{value:g}"
     places = decimals_for(abs(value), digits)
-    if not -6 <= places <= 8:
-        return f"{value:.{digits - 1}e}"
-    return f"{round(value, places):.{max(places, 0)}f}"
+    return _fixed(value, places) if -6 <= places <= 8 else f"{value:.{digits - 1}e}"
+
+
+def _fixed(value: float, places: int) -> str:
+    """Round to a decimal place, which may stand left of the point; never a minus zero."""
+    return f"{round(value, places) + 0.0:.{max(places, 0)}f}"
 
 
 def plain(value: float, places: int = 1) -> str:

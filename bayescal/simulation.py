@@ -26,6 +26,8 @@ LARGEST_N = 1_000_000
 DEFAULT_SETUP = Setup(width=1920.0, height=1080.0, c_from_bottom=True)
 # The volume in front of the camera, uniform in each: x/z, y/z, and z in world units.
 VOLUME = ((-0.6, 0.6), (-0.35, 0.35), (300.0, 1500.0))
+# Half the image that a simulated camera fills, as a fraction of it.
+FILLED = 0.4
 # World coordinates are drawn to this many decimals, so that a file of them can be read.
 _DECIMALS = 3
 
@@ -100,8 +102,9 @@ def simulate(
     setup : Setup, optional
         The camera; that of `like`, else `DEFAULT_SETUP`.
     tau : float, optional
-        Strength of the non-linearity, 0.02 by default: amplitudes are drawn from the
-        field prior at this tau, on the domain of these points.
+        Strength of the non-linearity, 0.02 by default: from order 2 on amplitudes are
+        drawn from the field prior at this tau, on the domain of these points. The linear
+        part is that of a camera whose points fill 0.8 of the image about its centre.
     coefficients : mapping of str to sequence of float, optional
         Monomial coefficients of an axis, lowest power first, px, in place of drawn ones.
 
@@ -199,7 +202,7 @@ def _blank(
 def _from_prior(
     data: AxisData, order: int, sigma: float, tau: float, rng: np.random.Generator
 ) -> AxisTruth:
-    """Amplitudes from the field prior at one tau."""
+    """A camera that fills its image, and a non-linearity from the field prior at one tau."""
     if not data.size_known:
         side = "width" if data.axis == "r" else "height"
         raise InputError(
@@ -208,6 +211,7 @@ def _from_prior(
     prior = PriorRule("field", data.size, data.size / 2, tau).of_order(order)
     deviations = prior.deviations(np.log([tau]))[0]
     amplitudes = prior.mean + deviations * rng.normal(size=order + 1)
+    amplitudes[:2] = data.size / 2, FILLED * data.size
     monomials = MonomialMap(data.domain, order).apply(amplitudes)
     used = tau if prior.scaled.any() else None
     return _truth(data, amplitudes, monomials, sigma, used)

@@ -55,21 +55,27 @@ def test_another_seed_gives_other_draws():
     assert draws(first, "r", 1) != draws(second, "r", 1)
 
 
+def same_but_for_rounding(one, other, axis, order):
+    """The factorisation at another highest order rounds otherwise; nothing else differs."""
+    first, second = (r.axes[axis][order].posterior.chain.draws for r in (one, other))
+    np.testing.assert_allclose(first, second, rtol=1e-9)
+
+
 @pytest.mark.parametrize("orders", [[4], [1, 4], [3, 4]])
 def test_lower_orders_compared_change_no_draw(thesis_comparison, orders):
     result = bc.compare(bc.thesis(), orders, axis="r")
-    assert draws(result, "r", 4) == draws(thesis_comparison, "r", 4)
+    same_but_for_rounding(result, thesis_comparison, "r", 4)
 
 
 @pytest.mark.parametrize("orders", [[2], [2, 3], [2, 5]])
 def test_higher_orders_compared_change_no_draw(thesis_comparison, orders):
     result = bc.compare(bc.thesis(), orders, axis="c")
-    assert draws(result, "c", 2) == draws(thesis_comparison, "c", 2)
+    same_but_for_rounding(result, thesis_comparison, "c", 2)
 
 
 def test_the_other_axis_changes_no_draw(thesis_comparison):
     alone = bc.fit(bc.thesis(), order_c=1)
-    assert draws(alone, "c", 1) == draws(thesis_comparison, "c", 1)
+    same_but_for_rounding(alone, thesis_comparison, "c", 1)
 
 
 def test_axes_and_orders_have_random_numbers_of_their_own(thesis_comparison):

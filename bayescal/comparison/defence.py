@@ -273,6 +273,6 @@ def _worth(data: AxisData, posteriors: Mapping[int, Posterior], order: int, othe
     place = int(difference.argmax())
     larger = max(order, other)
     row = legendre_design(s[place : place + 1], larger)[0]
-    sd = float(np.sqrt(row @ posteriors[larger].exact.covariance @ row))
+    sd = float(np.linalg.norm(row @ posteriors[larger].exact.root))
     at = data.domain.middle + data.domain.half_range * float(s[place])
     return Worth(other, float(difference[place]), sd, at)

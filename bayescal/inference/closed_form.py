@@ -18,6 +18,9 @@ from bayescal.inference.evidence import NEAR_BOUND, Projection, log_joint, tau_r
 from bayescal.inference.model import LinearModel
 from bayescal.inference.quadrature import FINE, Rule
 
+# Nodes that together hold less than this of the probability can be left out.
+NEGLIGIBLE = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class Conditional:
@@ -140,10 +143,15 @@ class ExactPosterior:
         weights, to_b = self.weights, self.conditional.to_b
         node_mean = np.einsum("tpq,tsq->tsp", to_b, mean)  # of b, less the prior mean
         centre = np.einsum("ts,tsp->p", weights, node_mean)
-        offset = node_mean - centre
-        within = np.einsum("tpq,tq,trq->pr", to_b, np.einsum("ts,tsq->tq", weights, variance), to_b)
-        between = np.einsum("ts,tsp,tsr->pr", weights, offset, offset)
-        return self.model.prior.mean + centre, within + between
+        # Within the nodes and between them, as rows whose squares sum to the covariance:
+        # forming it would halve the digits of points far from all others.
+        spread = np.sqrt(np.einsum("ts,tsq->tq", weights, variance))
+        within = (to_b * spread[:, None, :]).transpose(0, 2, 1).reshape(-1, len(centre))
+        heavy = weights > NEGLIGIBLE / weights.size
+        between = np.sqrt(weights[heavy])[:, None] * (node_mean - centre)[heavy]
+        triangle = np.linalg.qr(np.concatenate([within, between]), mode="r")
+        root = triangle.T * np.where(np.diag(triangle) < 0, -1.0, 1.0)
+        return self.model.prior.mean + centre, root
 
     @property
     def mean(self) -> Array:
@@ -151,17 +159,21 @@ class ExactPosterior:
         return self._amplitudes[0]
 
     @property
+    def root(self) -> Array:
+        """Cholesky root of the amplitudes' posterior covariance, ``(p, p)``, px."""
+        return self._amplitudes[1]
+
+    @property
     def covariance(self) -> Array:
         """Posterior covariance of the amplitudes, ``(p, p)``, px^2."""
-        return self._amplitudes[1]
+        return self.root @ self.root.T
 
     @cached_property
     def summary(self) -> tuple[Array, Array]:
         """Mean and sd of every reported parameter, in the order of ``model.names``."""
         monomials = self.model.factors.monomials
-        root = np.linalg.cholesky(self.covariance)
         means = [*monomials.apply(self.mean)]
-        sds = [*np.linalg.norm(monomials.apply(root), axis=1)]
+        sds = [*np.linalg.norm(monomials.apply(self.root), axis=1)]
         for values, mass in self.hyperparameters:
             mean = float(mass @ values)
             means.append(mean)
@@ -195,9 +207,9 @@ class ExactPosterior:
     def _components(self, transform: Array) -> tuple[Array, Array, Array]:
         """``transform @ b`` as a mixture of normals: weights, means, variances.
 
-        Nodes that together hold less than 1e-12 of the probability are left out.
+        Negligible nodes are left out.
         """
-        heavy = self.weights > 1e-12 / self.weights.size
+        heavy = self.weights > NEGLIGIBLE / self.weights.size
         tau, sigma = np.nonzero(heavy)
         weights = self.weights[heavy] / self.weights[heavy].sum()
         d, w = self.conditional.d[tau], self.conditional.w[tau]

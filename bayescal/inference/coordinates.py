@@ -30,7 +30,7 @@ class Whitening:
     @classmethod
     def of(cls, exact: ExactPosterior) -> Whitening:
         """Whitening by a closed-form posterior's mean and covariance."""
-        blocks = [np.linalg.cholesky(exact.covariance)]
+        blocks = [exact.root]
         centre = [*exact.mean]
         for values, mass in exact.hyperparameters:
             nodes = np.log(values)

@@ -139,6 +139,5 @@ def generic_axis(x: Array, y: Array, sd: Array | None = None, source: str = "x a
 
 
 def pixel_span(t: Array) -> float:
-    """Span of the pixels, px; their size, or 1, where they are all the same."""
-    span = float(t.max() - t.min())
-    return span or float(np.abs(t).max()) or 1.0
+    """Span of the pixels, px; 1 where they are all the same."""
+    return float(t.max() - t.min()) or 1.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
@@ -11,10 +12,14 @@ from rich.text import Text
 from bayescal.comparison.argument import SMALL_SAMPLE
 from bayescal.comparison.defence import Defence, Prediction
 from bayescal.comparison.results import AxisComparison
+from bayescal.comparison.sensitivity import TauSensitivity
 from bayescal.comparison.stability import Bootstrap, Removal, joint_probabilities
 from bayescal.comparison.verdict import percent
 from bayescal.report.tables import make_table
 from bayescal.rounding import significant
+
+# Where the table over tau is evaluated: nodes of the grid, fractions of the image.
+SHOWN_TAU = (0.001, 0.00316228, 0.01, 0.0316228, 0.1, 0.316228, 1.0)
 
 
 def defence_view(axis: AxisComparison) -> RenderableType:
@@ -43,6 +48,8 @@ def defence_view(axis: AxisComparison) -> RenderableType:
             "neighbours make leave-one-out optimistic; by group is the harder test."
         )
     parts += [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
+    if defence.tau is not None:
+        parts.append(_tau_table(axis, defence.tau))
     if defence.resampled:
         parts.append(_stability_table(axis, defence))
     parts += [Padding(Text(line), (0, 0, 0, 2)) for line in _world_lines(axis)]
@@ -117,6 +124,19 @@ def _k_words(found: Prediction) -> str:
 
 def _compact(value: float) -> str:
     return f"{value:.1f}" if abs(value) < 1e5 else f"{value:.3g}"
+
+
+def _tau_table(axis: AxisComparison, found: TauSensitivity) -> RenderableType:
+    """Log evidence of every order at a few fixed tau."""
+    columns = [int(np.argmin(np.abs(np.log(found.tau / tau)))) for tau in SHOWN_TAU]
+    heads = ["   ln Z at fixed tau", *(f"{100 * tau:.2g}%" for tau in SHOWN_TAU)]
+    rows = [
+        [_marked(axis, k), *(_compact(float(row[i])) for i in columns)]
+        for k, row in zip(found.orders, found.log_evidence, strict=True)
+    ]
+    orders = list(found.orders)
+    bold = orders.index(axis.verdict.order) if axis.verdict.order in orders else None
+    return make_table(heads, rows, bold=bold)
 
 
 def _stability_table(axis: AxisComparison, defence: Defence) -> RenderableType:

@@ -84,7 +84,7 @@ def _noise_words(axis: AxisComparison) -> str:
     if axis.noise.bounds is not None:
         lower, upper = axis.noise.bounds
         unit = "" if axis.noise.source == "scale" else " px"
-        words += f" (its logarithm uniform from {lower:.4g} to {upper:.4g}{unit})"
+        words += f" (ln {axis.noise.parameter} uniform from {lower:.4g} to {upper:.4g}{unit})"
     return words
 
 

@@ -9,9 +9,11 @@ import bayescal as bc
 from tests.exact_least_squares import DIGITS, correct_digits, exact_fit
 from tests.nist import SETS, Reference
 
-# Correct digits to reach. A backward-stable fit of Legendre columns loses to cond(X)
-# what rounding y costs: max|y| eps / |coefficient| on the Wampler sets, whose first
-# coefficients are 3e6 times (1 and 4) and 60 times (2) smaller than y.
+# Correct digits to reach. Rounding y to doubles alone moves a coefficient by up to
+# eps max|y| over its size: on the Wampler sets, whose first coefficients are 3e6 (1 and 4)
+# and 60 (2) times smaller than y, that leaves 9 and 14 digits, and the fit loses another
+# one or two to cond(X) of the Legendre columns. Norris's intercept is 4e3 times smaller
+# than y. Filip's large coefficients cancel in y, but come from amplitudes that don't.
 REACH = {"Norris": 11, "Wampler1": 8, "Wampler2": 11, "Wampler4": 8, "Filip": 12}
 
 

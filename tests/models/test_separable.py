@@ -28,6 +28,7 @@ def test_pixels_are_r_and_height_less_the_row():
 
 
 def test_image_size_is_the_setups_or_else_the_span_of_the_pixels():
+    """By hand; pixels that are all the same have no span, and 1 stands for it."""
     world = [[0.0, 0, 1], [1, 1, 1], [2, 2, 1]]
     pixels = [[10.0, 5], [20, 5], [40, 5]]
     unknown = bc.Correspondences.from_arrays(world, pixels)
@@ -42,6 +43,14 @@ def test_a_point_in_the_cameras_plane_is_refused_by_name():
         [[0.0, 0, 1], [1, 1, 0]], [[1.0, 1], [2, 2]], labels=("far", "near")
     )
     with pytest.raises(bc.InputError, match="near"):
+        axis_data(points, "r")
+
+
+def test_pixels_an_image_size_outside_the_image_are_refused_by_name():
+    points = bc.Correspondences.from_arrays(
+        [[0.0, 0, 1], [1, 1, 1]], [[1.0, 1], [301, 2]], setup=Setup(width=100.0)
+    )
+    with pytest.raises(bc.InputError, match="point 2"):
         axis_data(points, "r")
 
 
