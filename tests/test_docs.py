@@ -39,8 +39,9 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("command", list(shown_commands()))
-def test_shown_commands_work(command, folder, capsys):
+def test_shown_commands_work(command, capsys):
     if command.startswith(RUNS):
         if "sim.csv" in command and "simulate" not in command:
             assert main(["simulate", "--order", "3", "--sigma", "1", "--out", "sim.csv"]) == 0
@@ -57,9 +58,9 @@ def test_pages_show_the_main_job():
     assert "./scripts/test" in commands
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
-def test_shown_python_runs(page, folder, capsys):
-    del folder
+def test_shown_python_runs(page, capsys):
     for block in blocks(page, "python"):
         exec(compile(block, str(page), "exec"), {})
     capsys.readouterr()

@@ -129,7 +129,7 @@ def _compact(value: float) -> str:
 def _tau_table(axis: AxisComparison, found: TauSensitivity) -> RenderableType:
     """Log evidence of every order at a few fixed tau."""
     columns = [int(np.argmin(np.abs(np.log(found.tau / tau)))) for tau in SHOWN_TAU]
-    heads = ["   ln Z at fixed tau", *(f"{100 * tau:.2g}%" for tau in SHOWN_TAU)]
+    heads = ["   ln Z at fixed tau", *(f"{significant(100 * tau)}%" for tau in SHOWN_TAU)]
     rows = [
         [_marked(axis, k), *(_compact(float(row[i])) for i in columns)]
         for k, row in zip(found.orders, found.log_evidence, strict=True)
