@@ -202,7 +202,7 @@ def _blank(
 def _from_prior(
     data: AxisData, order: int, sigma: float, tau: float, rng: np.random.Generator
 ) -> AxisTruth:
-    """Make up a camera that fills its image, with a non-linearity from the field prior at one tau."""
+    """Make up a camera that fills its image; its non-linearity is from the field prior."""
     if not data.size_known:
         side = "width" if data.axis == "r" else "height"
         raise InputError(
