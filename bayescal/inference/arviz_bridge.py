@@ -85,7 +85,9 @@ def psis_loo(log_likelihood: Array) -> tuple[Array, Array, Array]:
     """
     from arviz_stats.base import array_stats
 
-    log_weights, pareto_k = array_stats.psislw(log_likelihood, axis=-1)
+    # Where all weights of a tail are alike to rounding, its shape is no number: bad.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log_weights, pareto_k = array_stats.psislw(log_likelihood, axis=-1)
     log_weights = log_weights - logsumexp(log_weights, axis=-1, keepdims=True)
     elpd = np.asarray(logsumexp(log_weights + log_likelihood, axis=-1))
     # Both terms sum to 1 over the draws, so that neither can overflow.

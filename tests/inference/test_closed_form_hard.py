@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from mpmath import lu_solve, matrix, mp, mpf, workdps
 from numpy.polynomial.legendre import legval
 
 from bayescal.inference.closed_form import ExactPosterior, exact_posterior
+from bayescal.inference.model import LinearModel
 from bayescal.models.linear import AxisData
 from tests.brute_force import Grid, normal_grid
-from tests.problems import make_axis, make_model
+from tests.exact_least_squares import DIGITS
+from tests.problems import legendre_columns, make_axis, make_model, prior_deviations
 
 
 def points(n: int, amplitudes, noise: float, seed: int = 5) -> AxisData:
@@ -96,6 +99,43 @@ def test_two_modes_in_sigma_are_both_weighed():
     ((sigma, mass),) = exact.hyperparameters
     check(exact, grid)
     assert mass[sigma < 1].sum() == pytest.approx(low, rel=1e-6)
+
+
+def marginal_in_80_digits(model: LinearModel, data: AxisData, sigma: float, tau: float) -> float:
+    """ln N(t; X m, sigma^2 I + X S X'), everything formed from the doubles in mpmath."""
+    with workdps(DIGITS):
+        lower, upper = mpf(float(data.x.min())), mpf(float(data.x.max()))
+        s = [(2 * mpf(float(v)) - lower - upper) / (upper - lower) for v in data.x]
+        scale = [mpf(float(v)) for v in prior_deviations(model.prior, tau)]
+        scaled = matrix(len(s), model.size)
+        for i, v in enumerate(s):
+            for j in range(model.size):
+                scaled[i, j] = scale[j] * mp.legendre(j, v)
+        covariance = scaled * scaled.T
+        for i in range(len(s)):
+            covariance[i, i] += mpf(sigma) ** 2
+        root = mp.cholesky(covariance)
+        offset = matrix([mpf(float(t)) - mpf(float(model.prior.mean[0])) for t in data.t])
+        z = lu_solve(root, offset)
+        log_det = mp.fsum(mp.log(root[i, i]) for i in range(len(s)))
+        return float(-mp.fdot(z, z) / 2 - log_det - len(s) * mp.log(2 * mp.pi) / 2)
+
+
+@pytest.mark.parametrize("sigma", [0.05, 2.0, 400.0])
+@pytest.mark.parametrize("tau", [0.0003, 0.05])
+def test_clumped_points_keep_the_digits_that_normal_equations_lose(sigma, tau):
+    """Columns of condition above 1e4; the truth has 80 digits, so only the package rounds.
+
+    Where it matters it rounds like eps of the largest term, the misfit over sigma^2.
+    """
+    rng = np.random.default_rng(3)
+    x = np.append(np.linspace(0, 0.3, 23), 1.0)
+    data = make_axis(x, 500 + 300 * x + 900 * x**2 + rng.normal(0, 2, 24))
+    model = make_model(data, 7, sigma=sigma, tau=tau)
+    assert np.linalg.cond(legendre_columns(data, 7)) > 1e4  # the case is what it says
+    truth = marginal_in_80_digits(model, data, sigma, tau)
+    found = exact_posterior(model).log_evidence
+    assert found == pytest.approx(truth, abs=1e-9, rel=1e-12)
 
 
 @pytest.mark.parametrize("noise", [0.0, 1e-4, 0.0099, 0.011])

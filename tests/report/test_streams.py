@@ -99,7 +99,8 @@ def test_a_full_disk_leaves_nothing_behind(option: str, size: int, tmp_path: Pat
     (tmp_path / "old").write_text("precious")
     done = subprocess.run(
         [*COMMAND, "compare", *SHORT, option, "new"],
-        cwd=tmp_path, env=environment(), capture_output=True, text=True,
+        # Python's own cache would be cut off too, and break every later run.
+        cwd=tmp_path, env=environment(PYTHONDONTWRITEBYTECODE="1"), capture_output=True, text=True,
         preexec_fn=files_of_at_most(size),
     )  # fmt: skip
     assert done.stdout == ""
