@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from bayescal.analysis import Progress, analyse_arrays, analyse_points
 from bayescal.arrays import Array, ArrayLike
@@ -221,7 +222,8 @@ def least_squares(
     values = np.asarray(sd, dtype=float) if sd is not None else None
     data = generic_axis(np.asarray(x), np.asarray(y), values)
     (order,) = checked_orders([order])
-    return solve(factorise(data, order), order, None if values is None else 1.0)
+    with threadpool_limits(1):
+        return solve(factorise(data, order), order, None if values is None else 1.0)
 
 
 def _per_point_or_known(

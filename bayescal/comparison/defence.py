@@ -48,7 +48,7 @@ class Prediction:
         Sum of ln p(group | all other points); None where there are no groups.
     psis_elpd : float or None
         The sum from the draws (Pareto-smoothed importance sampling); None where the
-        data are too many for it.
+        data are too many for it, or a weight's tail has no shape.
     psis_mcse : float or None
         Its Monte Carlo standard error.
     pareto_k : Array or None
@@ -227,6 +227,7 @@ def _predictions(
             out[k] = Prediction(loo, difference, se, group, None, None)
             continue
         elpd, mcse, pareto_k, draws = psis
+        sound = bool(np.isfinite(elpd).all() and np.isfinite(mcse).all())
         limit = min(1 - 1 / math.log10(draws), GOOD_K)
         shape = np.where(np.isfinite(pareto_k), pareto_k, np.inf)
         worst = [int(i) for i in np.argsort(-shape, kind="stable") if shape[i] >= limit]
@@ -235,8 +236,8 @@ def _predictions(
             difference,
             se,
             group,
-            float(elpd.sum()),
-            float(np.sqrt((mcse**2).sum())),
+            float(elpd.sum()) if sound else None,
+            float(np.sqrt((mcse**2).sum())) if sound else None,
             frozen(shape),
             limit,
             tuple(data.labels[i] for i in worst),

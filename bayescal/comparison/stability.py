@@ -9,6 +9,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.evidence import probabilities
+from bayescal.errors import InputError
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.evidence import log_evidences
 from bayescal.inference.least_squares import factorise
@@ -201,8 +202,13 @@ def beyond(
         limit = min(limit, len(rule.stated.mean) - 1)
     more = range(highest + 1, min(highest + BEYOND, limit) + 1)
     evidence = dict(log_evidence)
-    if more:
-        factors = factorise(data, more[-1])
+    factors = None
+    while more and factors is None:
+        try:
+            factors = factorise(data, more[-1])
+        except InputError:  # these points don't determine it
+            more = more[:-1]
+    if factors is not None:
         for k in more:
             model = LinearModel(factors, k, noise, rule.of_order(k), data.symbol)
             evidence[k] = exact_posterior(model).log_integral

@@ -8,9 +8,13 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array, frozen
+from bayescal.errors import InputError
 from bayescal.inference.evidence import Reduced
 from bayescal.models.basis import MonomialMap, legendre_design
 from bayescal.models.linear import AxisData
+
+# Condition number of the columns, scaled to unit length, beyond which they are dependent.
+LARGEST_CONDITION = 1e12
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +96,7 @@ def factorise(data: AxisData, order: int) -> Factorisation:
         log_sd = float(np.log(data.sd).sum())
     triangle = np.linalg.qr(augmented, mode="r")
     size = order + 1
+    _check_determined(data, triangle[:size, :size])
     tail = float(abs(triangle[size, size])) if len(data) > size else 0.0
     return Factorisation(
         frozen(triangle[:size, :size]),
@@ -101,6 +106,21 @@ def factorise(data: AxisData, order: int) -> Factorisation:
         float(np.abs(augmented[:, -1]).max()),
         log_sd,
         MonomialMap(data.domain, order),
+    )
+
+
+def _check_determined(data: AxisData, triangle: Array) -> None:
+    """Refuse columns that depend on one another to rounding, as of one regressor far away."""
+    scaled = triangle / np.linalg.norm(triangle, axis=0)
+    if np.linalg.cond(scaled) < LARGEST_CONDITION:
+        return
+    order = len(triangle) - 1
+    while order > 1 and np.linalg.cond(scaled[:order, :order]) >= LARGEST_CONDITION:
+        order -= 1
+    raise InputError(
+        f"{data.source}: axis {data.axis}: the values of {data.regressor} leave order "
+        f"{len(triangle) - 1} undetermined to rounding (does one lie far from all others?); the "
+        f"highest order that works is {order - 1}"
     )
 
 

@@ -99,10 +99,12 @@ def sample(
         vectorize=True,
     )
     # emcee chooses among its moves with a legacy generator; one move leaves no choice.
-    state = sampler.run_mcmc(start, BURN_IN, store=False)
+    # Its check of the start's condition is for moves that stay in the walkers' span.
+    options = {"skip_initial_state_check": True}
+    state = sampler.run_mcmc(start, BURN_IN, store=False, **options)
     steps = max(MIN_STEPS, math.ceil(SPARE * ess / WALKERS))
     for extension in range(MAX_EXTENSIONS + 1):
-        state = sampler.run_mcmc(state, steps)
+        state = sampler.run_mcmc(state, steps, **options)
         chain = _collect(sampler, whitening, report, ess)
         if chain.converged or extension == MAX_EXTENSIONS:
             break

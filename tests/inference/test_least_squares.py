@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from mpmath import mpf, workdps
 
 import bayescal as bc
+from bayescal.errors import InputError
 from bayescal.inference.least_squares import factorise, solve
 from tests.exact_least_squares import DIGITS, ExactFit, exact_fit, relative_error
 from tests.problems import ORDERS, THESIS_MODELS, legendre_columns, make_axis, thesis_axis
@@ -141,3 +142,16 @@ def test_too_few_distinct_regressors_are_refused(order):
     x = np.repeat(np.arange(order, dtype=float), 4)
     with pytest.raises(bc.InputError, match=r"distinct values|points"):
         bc.least_squares(x, np.sin(x), order)
+
+
+@pytest.mark.parametrize(("factor", "order", "works"), [(1e4, 5, 3), (100.0, 8, 6)])
+def test_one_regressor_too_far_from_all_others_is_refused(factor, order, works):
+    """The message names an order that is then accepted, and the next is not."""
+    x = np.random.default_rng(0).uniform(0, 1, 30)
+    x[-1] *= factor
+    data = make_axis(x, 500 + 300 * x)
+    with pytest.raises(InputError, match=f"the highest order that works is {works}"):
+        factorise(data, order)
+    factorise(data, works)
+    with pytest.raises(InputError, match="undetermined to rounding"):
+        factorise(data, works + 1)
