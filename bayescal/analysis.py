@@ -10,16 +10,13 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.comparison.adequacy import adequacy, concerns, pure_error
-from bayescal.comparison.argument import argue
+from bayescal.comparison.adequacy.replicates import pure_error
 from bayescal.comparison.caveats import caveats, notes
 from bayescal.comparison.criteria import criteria
-from bayescal.comparison.defence import Groups, defend
 from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.comparison.verdict import judge
-from bayescal.comparison.world_units import WorldUnit, world_units
 from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
 from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, sample_posterior
@@ -27,6 +24,7 @@ from bayescal.models import separable
 from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.groups import Groups, groups_of
 from bayescal.points.setup import AXES, StatedPrior
 from bayescal.settings import Settings, check_resolved, noise_level, prior_rule
 
@@ -73,7 +71,7 @@ def analyse_points(
         # Refuse before anything is sampled.
         data[axis].check(wanted[-1])
         prior_rule(data[axis], settings, points.setup.priors.get(axis)).of_order(wanted[-1])
-    groups = _groups(points)
+    groups = groups_of(points)
     tasks = {
         axis: _Task(
             data[axis],
@@ -173,7 +171,13 @@ def _rng(settings: Settings, task: _Task, part: int) -> np.random.Generator:
 def _defended(
     plain: AxisComparison, models: dict[int, LinearModel], task: _Task, rng: np.random.Generator
 ) -> AxisComparison:
-    """Add the answers to a referee."""
+    """Add the answers to a referee; a plain comparison does not pay for importing them."""
+    from bayescal.comparison.adequacy.block import adequacy
+    from bayescal.comparison.adequacy.outcome import concerns
+    from bayescal.comparison.argument import argue
+    from bayescal.comparison.defence import defend
+    from bayescal.comparison.world_units import world_units
+
     data, verdict, chosen = plain.data, plain.verdict, plain.chosen
     posteriors = {r.order: r.posterior for r in plain.orders}
     defence = defend(
@@ -199,20 +203,9 @@ def _defended(
     )
     argued = argue(verdict, defence, {r.order: r.criteria for r in plain.orders}, data.size)
     argued = replace(argued, caveats=(*argued.caveats, *concerns(tests)))
-    units: tuple[WorldUnit, ...] = ()
-    if task.camera is not None and data.x_sd is None:
-        units = world_units(data, chosen.fit, task.camera)
+    camera = task.camera if data.x_sd is None else None  # stated errors need no such hint
+    units = () if camera is None else world_units(data, chosen.fit, camera)
     return replace(plain, verdict=argued, defence=defence, adequacy=tests, world_units=units)
-
-
-def _groups(points: Correspondences) -> Groups | None:
-    """Form the groups of points that share a cause of error; None where they say nothing."""
-    source, names = points.causes()
-    unique, index = np.unique(np.array(names), return_inverse=True)
-    if not 1 < len(unique) < len(points):
-        return None
-    members = (index == np.arange(len(unique))[:, None]).astype(float)
-    return Groups(source, tuple(unique.tolist()), members)
 
 
 def _probabilities(

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.comparison.adequacy import pure_error
+from bayescal.comparison.adequacy.replicates import pure_error
 from bayescal.errors import InputError
 from bayescal.inference.effective_variance import with_effective_deviations
 from bayescal.inference.least_squares import LeastSquaresFit

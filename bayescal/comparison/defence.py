@@ -27,6 +27,7 @@ from bayescal.inference.posterior import Posterior
 from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
 from bayescal.models.priors import PriorRule
+from bayescal.points.groups import Groups
 
 # Log densities held at once by the check of leave-one-out from the draws.
 PSIS_NUMBERS = 20_000_000
@@ -121,24 +122,6 @@ class Defence:
     resampled: tuple[Bootstrap, ...]
     beyond: Beyond | None
     worth: tuple[Worth, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Groups:
-    """Points that share a cause of error.
-
-    Attributes
-    ----------
-    source : str
-        ``"column group"`` or ``"plane z"``.
-    names : tuple of str
-    members : Array
-        1 where a point belongs to a group, ``(n_groups, n_points)``.
-    """
-
-    source: str
-    names: tuple[str, ...]
-    members: Array
 
 
 def defend(

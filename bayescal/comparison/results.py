@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from bayescal.comparison.adequacy import AdequacyTest
 from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.defence import Defence
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
 from bayescal.comparison.verdict import AxisVerdict
-from bayescal.comparison.world_units import WorldUnit
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.posterior import Posterior
 from bayescal.models.linear import AxisData
 from bayescal.models.noise import NoiseLevel
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
+
+if TYPE_CHECKING:  # a plain comparison does not pay for the defence
+    from bayescal.comparison.adequacy.outcome import AdequacyTest
+    from bayescal.comparison.defence import Defence
+    from bayescal.comparison.world_units import WorldUnit
 
 
 @dataclass(frozen=True, eq=False)

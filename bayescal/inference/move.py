@@ -12,7 +12,7 @@ from bayescal.inference.proposal import Proposal
 
 # Proposals don't depend on the state, so they are drawn for this many steps at a
 # time: the cost of many small array operations falls by this factor.
-STEPS_AHEAD = 45
+STEPS_AHEAD = 38
 
 
 class IndependenceMove(Move):

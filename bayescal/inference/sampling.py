@@ -18,8 +18,8 @@ from bayescal.inference.proposal import Proposal
 
 WALKERS = 64
 MIN_STEPS = 66
-SPARE = 1.2  # draws per effective sample wanted; independence sampling needs about 1.05
-BURN_IN = 10  # steps; the walkers start from the proposal, which is nearly the posterior
+SPARE = 1.12  # draws per effective sample wanted; independence sampling needs about 1.05
+BURN_IN = 6  # steps; the walkers start from the proposal, which is nearly the posterior
 RHAT_LIMIT = 1.01
 TAU_STEPS = 50  # autocorrelation times that a chain must be long (emcee's rule)
 MAX_EXTENSIONS = 4  # each doubles the steps

@@ -11,7 +11,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from bayescal.comparison.adequacy import AdequacyTest
+from bayescal.comparison.adequacy.outcome import AdequacyTest
 
 
 def adequacy_view(tests: Sequence[AdequacyTest], order: int) -> RenderableType:

@@ -6,11 +6,8 @@ from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
-from bayescal.comparison.adequacy import concerns
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.models.priors import TAU_BOUNDS
-from bayescal.report.adequacy import adequacy_view
-from bayescal.report.defence import defence_view, joint_view
 from bayescal.report.render import WIDTH as WIDTH
 from bayescal.report.render import render as render
 from bayescal.report.tables import coefficients_table, exact_table, facts, orders_table
@@ -22,24 +19,33 @@ def comparison_view(comparison: Comparison) -> RenderableType:
     parts: list[RenderableType] = [header(comparison)]
     for axis in comparison.axes.values():
         parts += [axis_title(axis), orders_table(axis), *_footnotes(axis), verdict_view(axis)]
-        parts += [defence_view(axis)]
-        if axis.adequacy:
-            parts.append(adequacy_view(axis.adequacy, axis.chosen.order))
+        if axis.defence is not None:
+            parts += _defended(axis)
         if axis.verdict.order is None:
             parts.append(Text("\n  No order is recommended; shown is the one of lowest BIC."))
         parts += [coefficients_table(axis, axis.chosen), Text("")]
-    if all(axis.defence is not None for axis in comparison.axes.values()):
-        if len(comparison.axes) == 2:
-            parts += [joint_view(*comparison.axes.values()), Text("")]
-    else:
-        parts.append(
-            Text(
-                "Would it persuade a referee? --defend adds leave-one-out, prior sensitivity, "
-                "stability and orders beyond.\n"
-            )
-        )
+    parts += _across(comparison)
     parts.append(sampling_line(comparison))
     return Group(*parts)
+
+
+def _defended(axis: AxisComparison) -> list[RenderableType]:
+    from bayescal.report.adequacy import adequacy_view
+    from bayescal.report.defence import defence_view
+
+    return [defence_view(axis), adequacy_view(axis.adequacy, axis.chosen.order)]
+
+
+def _across(comparison: Comparison) -> list[RenderableType]:
+    """Joint probabilities of both axes, or how to ask for them and more."""
+    if any(axis.defence is None for axis in comparison.axes.values()):
+        more = "leave-one-out, prior sensitivity, stability, adequacy and orders beyond"
+        return [Text(f"Would it persuade a referee? --defend adds {more}.\n")]
+    if len(comparison.axes) != 2:
+        return []
+    from bayescal.report.defence import joint_view
+
+    return [joint_view(*comparison.axes.values()), Text("")]
 
 
 def fit_view(comparison: Comparison) -> RenderableType:
@@ -157,11 +163,13 @@ def verdict_view(axis: AxisComparison) -> RenderableType:
 
 
 def _caveats(axis: AxisComparison) -> list[RenderableType]:
-    elsewhere = set(concerns(axis.adequacy))  # the block of adequacy says these
+    said: set[str] = set()  # by the block of adequacy
+    if axis.adequacy:
+        from bayescal.comparison.adequacy.outcome import concerns
+
+        said = set(concerns(axis.adequacy))
     return [
-        Padding(Text(f"caveat: {c}."), (0, 0, 0, 2))
-        for c in axis.verdict.caveats
-        if c not in elsewhere
+        Padding(Text(f"caveat: {c}."), (0, 0, 0, 2)) for c in axis.verdict.caveats if c not in said
     ]
 
 

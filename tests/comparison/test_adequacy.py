@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.adequacy import adequacy, concerns, pure_error
+from bayescal.comparison.adequacy.block import adequacy
+from bayescal.comparison.adequacy.outcome import concerns
+from bayescal.comparison.adequacy.replicates import pure_error
 from bayescal.inference.least_squares import factorise, solve
 from bayescal.models.linear import generic_axis
 from bayescal.models.noise import NoiseLevel

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.adequacy import adequacy
+from bayescal.comparison.adequacy.block import adequacy
 from bayescal.comparison.adequacy.coordinate import other_coordinate, other_coordinate_within
 from bayescal.comparison.adequacy.groups import shared_errors
 from bayescal.comparison.adequacy.heteroscedasticity import heteroscedasticity

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.comparison.adequacy import pure_error
 from bayescal.comparison.adequacy.coordinate import other_coordinate, other_coordinate_within
 from bayescal.comparison.adequacy.groups import effective_points, group_effects, shared_errors
 from bayescal.comparison.adequacy.heteroscedasticity import heteroscedasticity
@@ -15,7 +14,7 @@ from bayescal.comparison.adequacy.normality import normality
 from bayescal.comparison.adequacy.null import simulated_residuals
 from bayescal.comparison.adequacy.outcome import holm
 from bayescal.comparison.adequacy.problem import Problem, clusters
-from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter
+from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter, pure_error
 from bayescal.comparison.adequacy.sequence import runs_test, wald_wolfowitz
 from bayescal.inference.least_squares import factorise, solve
 from bayescal.models.noise import NoiseLevel

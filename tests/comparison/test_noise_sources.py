@@ -14,7 +14,7 @@ from numpy.polynomial.legendre import legval
 from scipy import stats
 
 import bayescal as bc
-from bayescal.comparison.adequacy import pure_error
+from bayescal.comparison.adequacy.replicates import pure_error
 from bayescal.comparison.criteria import criteria
 from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
 from bayescal.inference.closed_form import exact_posterior
