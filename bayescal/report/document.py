@@ -11,6 +11,8 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import Any
 
+import numpy as np
+
 import bayescal
 from bayescal.comparison.defence import Prediction
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
@@ -69,6 +71,7 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
         "verdict": {
             "orders": comparison.orders,
             "text": " ".join(f"{n}: {a.verdict.text}" for n, a in comparison.axes.items()),
+            "joint": _joint(comparison),
         },
         "notes": list(comparison.notes),
     }
@@ -79,6 +82,19 @@ def schema() -> dict[str, Any]:
     text = files("bayescal.report").joinpath("result.schema.json").read_text(encoding="utf-8")
     loaded: dict[str, Any] = json.loads(text)
     return loaded
+
+
+def _joint(comparison: Comparison) -> dict[str, Any] | None:
+    """Probability of every pair of orders of two independent axes."""
+    chances = {
+        name: [r.probability for r in axis.orders if r.probability is not None]
+        for name, axis in comparison.axes.items()
+    }
+    if len(chances) != 2 or not all(chances.values()):
+        return None
+    orders = {name: [r.order for r in axis.orders] for name, axis in comparison.axes.items()}
+    first, second = chances.values()
+    return {"orders": orders, "probability": np.outer(first, second).tolist()}
 
 
 def _data(comparison: Comparison) -> dict[str, Any]:

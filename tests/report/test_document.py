@@ -252,3 +252,15 @@ def test_arrays_without_a_camera_have_a_document_too() -> None:
 def test_nan_is_never_written() -> None:
     with pytest.raises(ValueError, match="not JSON compliant"):
         dumps({"value": math.nan})
+
+
+def test_joint_probabilities_are_products_that_sum_to_one() -> None:
+    """Independent axes: P(r, c) = P(r) P(c); one axis alone has none."""
+    found = document(bc.compare(bc.thesis(), [1, 2, 4], ess=100), "")
+    joint = found["verdict"]["joint"]
+    r, c = ([o["probability"] for o in found["axes"][a]["orders"]] for a in "rc")
+    assert joint["orders"] == {"r": [1, 2, 4], "c": [1, 2, 4]}
+    assert joint["probability"] == [[p * q for q in c] for p in r]
+    assert abs(sum(map(sum, joint["probability"])) - 1) < 1e-12
+    alone = document(bc.compare(bc.thesis(), [1, 2], axis="r", ess=100), "")
+    assert alone["verdict"]["joint"] is None
