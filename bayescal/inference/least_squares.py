@@ -14,7 +14,7 @@ from bayescal.models.basis import MonomialMap, legendre_design
 from bayescal.models.linear import AxisData
 
 # Condition number of the columns, scaled to unit length, beyond which they are dependent.
-LARGEST_CONDITION = 1e12
+LARGEST_CONDITION = 1e15
 
 
 @dataclass(frozen=True, eq=False)

