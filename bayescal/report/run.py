@@ -72,6 +72,6 @@ def _write_draws(path: Path, axis: AxisComparison, result: OrderResult) -> None:
 
 
 def _write_corner(path: Path, axis: AxisComparison) -> None:
-    from bayescal.report.figures import corner_plot
+    from bayescal.report.figures.corner import corner_plot
 
     corner_plot(axis, axis.chosen).savefig(path, dpi=110)
