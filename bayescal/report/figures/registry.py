@@ -40,16 +40,19 @@ class FigureKind:
         As the command line takes it; also its module in this folder.
     summary : str
         One line.
-    scope : str
-        What it is drawn of: ``"comparison"`` (all axes together), ``"axis"`` (every
-        order of one axis) or ``"order"`` (one order of one axis).
+    one_axis : bool
+        Whether it is of one axis, which must be named where there are two; else of all
+        axes, or of the one named.
+    one_order : bool
+        Whether it is of one order; else it shows every order compared.
     needs_defence : bool
         Whether it shows what only a defended comparison holds.
     """
 
     name: str
     summary: str
-    scope: str
+    one_axis: bool
+    one_order: bool
     needs_defence: bool = False
 
     def draw(
@@ -95,16 +98,15 @@ class FigureKind:
     def _subject(self, comparison: Comparison, axis: str | None, order: int | None) -> Subject:
         from bayescal.report.figures.subject import Subject
 
-        if order is not None and self.scope != "order":
+        names = ", ".join(comparison.axes)
+        if order is not None and not self.one_order:
             raise InputError(f"{self.name} shows every order; leave out the order")
         if axis is not None and axis not in comparison.axes:
-            raise InputError(f"axis {axis} was not compared; axes: {', '.join(comparison.axes)}")
-        if axis is None and self.scope != "comparison":
-            if len(comparison.axes) > 1:
-                raise InputError(
-                    f"{self.name} is of one axis; say which: {', '.join(comparison.axes)}"
-                )
+            raise InputError(f"axis {axis} was not compared; axes: {names}")
+        if axis is None and len(comparison.axes) == 1:
             (axis,) = comparison.axes
+        if axis is None and (self.one_axis or order is not None):
+            raise InputError(f"{self.name} needs an axis, one of {names}")
         if self.needs_defence and any(a.defence is None for a in comparison.axes.values()):
             raise InputError(f"{self.name} needs a defended comparison (defend=True, --defend)")
         subject = Subject(comparison, axis, order)
@@ -113,21 +115,19 @@ class FigureKind:
         return subject
 
 
-KINDS: dict[str, FigureKind] = {
-    kind.name: kind
-    for kind in (
-        FigureKind("verdict", "probability of each order, all axes", "comparison"),
-        FigureKind("joint", "probability of each pair of orders", "comparison"),
-        FigureKind("evidence", "log evidence of each order over fixed tau", "axis"),
-        FigureKind("loo", "leave-one-out differences with their errors", "axis", True),
-        FigureKind("bootstrap", "share of resamples that each order wins", "axis", True),
-        FigureKind("residuals", "residuals over the regressor", "order"),
-        FigureKind("other", "residuals over the other axis's regressor", "order"),
-        FigureKind("image", "residuals over the image plane", "order"),
-        FigureKind("qq", "normal quantiles of the residuals", "order"),
-        FigureKind("curve", "fitted curve and data less the straight part", "order"),
-        FigureKind("corner", "posterior of all parameters, draws and closed form", "order"),
-        FigureKind("trace", "chains and their ranks", "order"),
-        FigureKind("autocorrelation", "autocorrelation of the chains", "order"),
-    )
-}
+_LIST = (
+    FigureKind("verdict", "probability of each order, all axes", False, False),
+    FigureKind("joint", "probability of each pair of orders", False, False),
+    FigureKind("evidence", "log evidence of each order over fixed tau", True, False),
+    FigureKind("loo", "leave-one-out differences, with errors", True, False, needs_defence=True),
+    FigureKind("bootstrap", "share of resamples each order wins", True, False, needs_defence=True),
+    FigureKind("residuals", "residuals over the regressor", True, True),
+    FigureKind("other", "residuals over the other axis's regressor", True, True),
+    FigureKind("image", "residuals over the image plane, as arrows", False, True),
+    FigureKind("qq", "normal quantiles of the residuals", True, True),
+    FigureKind("curve", "fitted curve and data less the straight part", True, True),
+    FigureKind("corner", "posterior of all parameters, draws and closed form", True, True),
+    FigureKind("trace", "chains and their ranks", True, True),
+    FigureKind("autocorrelation", "autocorrelation of the chains", True, True),
+)
+KINDS: dict[str, FigureKind] = {kind.name: kind for kind in _LIST}

@@ -15,7 +15,13 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 WIDTH = 7.2  # inches: two columns of a journal
-KEPT, REMOVED, GREY = "#0072b2", "#d55e00", "#666666"  # Okabe & Ito's blue and vermillion
+# Okabe & Ito's colours, which the colour-blind can tell apart.
+BLUE, VERMILLION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
+SKY, PURPLE, BLACK, GREY = "#56b4e9", "#cc79a7", "#000000", "#666666"
+PALE = "#c9d3db"  # what matters less
+CYCLE = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY, BLACK)
+DASHES = ("-", "--", ":")
+KEPT, REMOVED = BLUE, VERMILLION
 # Cividis is safe for the colour-blind; its palest end is left out, for it fades on white.
 COLOURS = LinearSegmentedColormap.from_list(
     "depth", colormaps["cividis"](np.linspace(0, 0.92, 256))
