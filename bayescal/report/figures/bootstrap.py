@@ -49,8 +49,8 @@ def _series(axis: AxisComparison) -> dict[str, dict[int, float]]:
     """Shares by order, under what they are of."""
     beyond = _beyond(axis)
     resampled = axis.defence.resampled if axis.defence is not None else ()
-    series = {f"wins, {b.unit}s resampled {b.resamples} times": b.share for b in resampled}
-    return {**series, "probability, orders beyond compared too": beyond}
+    series = {f"wins with {b.unit}s resampled": b.share for b in resampled}
+    return {**series, "probability with orders beyond": beyond}
 
 
 def alt_text(subject: Subject) -> str:

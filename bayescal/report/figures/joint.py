@@ -43,6 +43,7 @@ def draw(subject: Subject) -> Figure:
     panel.set_xlabel(f"order of {second.data.axis}({second.data.regressor})")
     panel.set_ylabel(f"order of {first.data.axis}({first.data.regressor})")
     panel.set_title("posterior probability of both orders", loc="left")
+    panel.invert_yaxis()  # as a table reads
     panel.tick_params(length=0)
     for spine in panel.spines.values():
         spine.set_visible(False)

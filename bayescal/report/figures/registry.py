@@ -131,3 +131,37 @@ _LIST = (
     FigureKind("autocorrelation", "autocorrelation of the chains", True, True),
 )
 KINDS: dict[str, FigureKind] = {kind.name: kind for kind in _LIST}
+
+
+def plot(
+    comparison: Comparison, kind: str, *, axis: str | None = None, order: int | None = None
+) -> Figure:
+    """Draw one kind of figure of a comparison.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        From `compare`, `compare_polynomials`, `fit` or `open_run`.
+    kind : str
+        One of ``KINDS``: ``"verdict"``, ``"joint"``, ``"evidence"``, ``"loo"``,
+        ``"bootstrap"``, ``"residuals"``, ``"other"``, ``"image"``, ``"qq"``,
+        ``"curve"``, ``"corner"``, ``"trace"``, ``"autocorrelation"``.
+    axis : str, optional
+        ``"r"``, ``"c"`` or ``"y"``; may be left out where there is only one, and for
+        a figure of all axes.
+    order : int, optional
+        One of those compared; the recommended one by default.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Not known to pyplot; save it with its ``savefig``.
+
+    Raises
+    ------
+    InputError
+        Where there is no such kind, axis or order, or nothing to draw; says why.
+    """
+    if kind not in KINDS:
+        raise InputError(f"{kind!r} is no kind of figure; kinds: {', '.join(KINDS)}")
+    return KINDS[kind].draw(comparison, axis, order)

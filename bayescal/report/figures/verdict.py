@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from bayescal.comparison.evidence import PLAUSIBLE
 from bayescal.comparison.results import AxisComparison
@@ -11,6 +12,10 @@ from bayescal.comparison.verdict import percent
 from bayescal.report.figures.style import BLUE, PALE, SKY, WIDTH
 from bayescal.report.figures.subject import Subject
 
+RECOMMENDED = "recommended"
+NOT_EXCLUDED = f"not excluded at {100 * PLAUSIBLE:.0f} %"
+EXCLUDED = "excluded"
+COLOURS = {RECOMMENDED: BLUE, NOT_EXCLUDED: SKY, EXCLUDED: PALE}
 BESIDE = 8  # orders up to which two panels stand beside each other
 
 
@@ -19,26 +24,33 @@ def draw(subject: Subject) -> Figure:
     axes = subject.axes
     beside = max(len(axis.orders) for axis in axes) <= BESIDE
     shape = (1, len(axes)) if beside else (len(axes), 1)
-    figure = Figure(figsize=(WIDTH, 2.7 * shape[0]), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 2.7 * shape[0] + 0.2), layout="constrained")
+    shown = set[str]()
     for panel, axis in zip(figure.subplots(*shape, squeeze=False).flat, axes, strict=True):
         if axis.verdict.order is None:
             _draw_bic(panel, axis)
         else:
-            _draw_probability(panel, axis)
+            shown |= _draw_probability(panel, axis)
         panel.set_xticks([result.order for result in axis.orders])
         panel.set_xlim(axis.orders[0].order - 0.7, axis.orders[-1].order + 0.7)
         panel.set_xlabel(f"order of {axis.data.axis}({axis.data.regressor})")
         panel.tick_params(axis="x", length=0)
+    if shown:
+        handles = [Patch(color=colour, label=label) for label, colour in COLOURS.items()]
+        handles = [handle for handle in handles if handle.get_label() in shown]
+        figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
 
-def _draw_probability(panel: Axes, axis: AxisComparison) -> None:
+def _draw_probability(panel: Axes, axis: AxisComparison) -> set[str]:
+    """Draw the bars; return what their colours say."""
+    shown = set()
     crowded = len(axis.orders) > 2 * BESIDE
     for result in axis.orders:
         chance = result.probability or 0.0
-        plausible = SKY if result.order in axis.verdict.plausible else PALE
-        colour = BLUE if result.order == axis.verdict.order else plausible
-        panel.bar(result.order, 100 * chance, width=0.72, color=colour)
+        label = _standing(axis, result.order)
+        shown.add(label)
+        panel.bar(result.order, 100 * chance, width=0.72, color=COLOURS[label])
         if not crowded or chance >= 0.0005:
             panel.annotate(
                 percent(chance).replace("%", " %"),
@@ -52,6 +64,14 @@ def _draw_probability(panel: Axes, axis: AxisComparison) -> None:
     panel.set_yticks([0, 25, 50, 75, 100])
     panel.set_ylabel("posterior probability [%]")
     panel.set_title(_headline(axis), loc="left")
+    return shown
+
+
+def _standing(axis: AxisComparison, order: int) -> str:
+    """What the verdict says of an order: a key of `COLOURS`."""
+    if order == axis.verdict.order:
+        return RECOMMENDED
+    return NOT_EXCLUDED if order in axis.verdict.plausible else EXCLUDED
 
 
 def _draw_bic(panel: Axes, axis: AxisComparison) -> None:
