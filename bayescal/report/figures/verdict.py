@@ -68,7 +68,7 @@ def _draw_probability(panel: Axes, axis: AxisComparison) -> set[str]:
 
 
 def _standing(axis: AxisComparison, order: int) -> str:
-    """What the verdict says of an order: a key of `COLOURS`."""
+    """Say what the verdict holds of an order, in a key of `COLOURS`."""
     if order == axis.verdict.order:
         return RECOMMENDED
     return NOT_EXCLUDED if order in axis.verdict.plausible else EXCLUDED
