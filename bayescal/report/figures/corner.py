@@ -85,7 +85,7 @@ def _overlay(panels: Array, names: tuple[str, ...], densities: Densities) -> Non
                 found.x,
                 found.y,
                 found.density,
-                levels=found.thresholds(LEVELS),
+                levels=sorted(set(found.thresholds(LEVELS))),
                 colors=VERMILLION,
                 linewidths=0.9,
             )
