@@ -21,16 +21,8 @@ from bayescal.report.figures.style import figure_bytes
 from tests.comparison.cases import camera_points
 from tests.report.command import environment
 
-HOSTILE = (
-    "<script>",
-    "$x_{",
-    "a" * 500,
-    "\u6771\u4eac",
-    "\U0001f4f7",
-    "a&b",
-    "\\frac",
-    "\u202eabc",
-)
+CJK, EMOJI, REVERSED = "\u6771\u4eac", "\U0001f4f7", "\u202eabc"
+HOSTILE = ("<script>", "$x_{", "a" * 500, CJK, EMOJI, "a&b", "\\frac", REVERSED)
 RNG = np.random.default_rng(8)
 X = np.linspace(-1, 1, 12)
 Y = X**2 + 0.1 * RNG.standard_normal(12)
