@@ -76,5 +76,7 @@ def _label(name: str) -> str:
     if name == "tau":
         return r"$\log_{10}\,\tau$"
     stem, _, index = name.partition("_")
+    if stem not in ("alpha", "beta", "sigma"):  # a factor on stated deviations, say
+        return name
     symbol = rf"$\{stem}_{{{index}}}$" if index else rf"$\{stem}$"
     return f"{symbol} [px]"
