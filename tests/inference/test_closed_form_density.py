@@ -33,9 +33,12 @@ def test_marginals_of_coefficients_lie_between_their_quantiles(exact):
 def test_marginal_of_sigma_has_its_exact_moments(exact):
     mean, sd = (values[exact.model.size] for values in exact.summary)
     x, density = Densities(exact).marginal("sigma")
-    assert np.trapezoid(density, x) == pytest.approx(1, abs=1e-3)
-    assert np.trapezoid(density * x, x) == pytest.approx(mean, abs=0.01 * sd)
-    assert np.trapezoid(density * (x - mean) ** 2, x) == pytest.approx(sd**2, rel=0.01)
+    # Straight lines between nodes up to h = 0.3 sd apart lose up to h^2 / 12 of an integral.
+    total = np.trapezoid(density, x)
+    assert total == pytest.approx(1, abs=0.0075)
+    assert np.trapezoid(density * x, x) / total == pytest.approx(mean, abs=0.0075 * sd)
+    second = np.trapezoid(density * (x - mean) ** 2, x) / total
+    assert second == pytest.approx(sd**2, rel=0.03)
 
 
 def test_joints_have_the_marginals_mass_and_centre(exact):
