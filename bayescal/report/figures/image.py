@@ -14,7 +14,7 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import ResidualPoints
-from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH, settle
+from bayescal.report.figures.style import BLUE, GREY, MANY_POINTS, VERMILLION, WIDTH, settle
 from bayescal.report.figures.subject import Subject
 
 ARROW = 0.1  # length of a typical long arrow, as a fraction of the image's width
@@ -93,7 +93,8 @@ def draw(subject: Subject) -> Figure:
     px_per_width = long / ARROW
     out = np.zeros(len(pixels), dtype=bool)
     out[found.named] = True
-    panel.plot(*pixels[~out].T, "o", color=BLUE, markersize=2.6)
+    many = len(pixels) > MANY_POINTS
+    panel.plot(*pixels[~out].T, "o", color=BLUE, markersize=2.6, rasterized=many)
     panel.plot(*pixels[out].T, "D", color=VERMILLION, markersize=3)
     # Arrows are drawn in fractions of the panel's width, c upwards or downwards as it is.
     upwards = 1.0 if setup.c_from_bottom else -1.0
@@ -109,6 +110,7 @@ def draw(subject: Subject) -> Figure:
         headwidth=4,
         headlength=5,
         minlength=0.5,
+        rasterized=many,
     )
     key = float(f"{long:.0e}")
     panel.quiverkey(quiver, 0.9, 1.03, key, f"{key:g} px", labelpos="W", color=GREY)
