@@ -79,7 +79,7 @@ def draw(subject: Subject) -> Figure:
     panel.plot(
         curve.x, curve.mean, color=BLUE, linewidth=1.8, label=f"order {subject.result.order}"
     )
-    for order in axis.verdict.plausible:
+    for order in sorted(axis.verdict.plausible):
         if order != subject.result.order:
             other = Curve.of(Subject(subject.comparison, data.axis, order))
             s = data.domain.scale(other.x)

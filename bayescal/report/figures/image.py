@@ -17,7 +17,9 @@ from bayescal.report.figures.residual_points import ResidualPoints
 from bayescal.report.figures.style import BLUE, GREY, MANY_POINTS, VERMILLION, WIDTH, settle
 from bayescal.report.figures.subject import Subject
 
-ARROW = 0.1  # length of a typical long arrow, as a fraction of the image's width
+# Lengths of arrows as fractions of the panel's width: of a long one (the 90 % quantile),
+# unless the longest would then be longer than it may be.
+LONG, LONGEST = 0.1, 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,8 +91,8 @@ def draw(subject: Subject) -> Figure:
     panel = figure.subplots()
     if width is not None and height is not None:
         panel.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=GREY, linewidth=0.8))
-    long = float(np.quantile(found.lengths, 0.9)) or float(found.lengths.max()) or 1.0
-    px_per_width = long / ARROW
+    long, longest = float(np.quantile(found.lengths, 0.9)), float(found.lengths.max())
+    px_per_width = max(long / LONG, longest / LONGEST) or 1.0
     out = np.zeros(len(pixels), dtype=bool)
     out[found.named] = True
     many = len(pixels) > MANY_POINTS
@@ -112,7 +114,7 @@ def draw(subject: Subject) -> Figure:
         minlength=0.5,
         rasterized=many,
     )
-    key = float(f"{long:.0e}")
+    key = float(f"{long or 1.0:.0e}")
     panel.quiverkey(quiver, 0.9, 1.03, key, f"{key:g} px", labelpos="W", color=GREY)
     _frame(panel, upwards)
     panel.set_title(found.title, loc="left")
