@@ -134,7 +134,7 @@ def _write_draws(path: Path, axis: AxisComparison, result: OrderResult) -> None:
             "axis": axis.data.axis,
             "regressor": axis.data.regressor,
             "order": result.order,
-            "units": "coefficients and sigma in px, tau a fraction of the image",
+            "units": "coefficients and sigma in px, tau a fraction of the image, scale a factor",
             "inference_library": "emcee",
         }
     )
