@@ -15,7 +15,7 @@ from bayescal.errors import InputError
 from bayescal.inference.effective_variance import with_effective_deviations
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import SPAN_BOUNDS, NoiseLevel
+from bayescal.models.noise.level import SPAN_BOUNDS, NoiseLevel
 from bayescal.models.priors import PriorRule
 from bayescal.points.setup import LARGEST_PX, SMALLEST_PX, StatedPrior
 from bayescal.rounding import significant

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from bayescal.comparison.results import AxisComparison, OrderResult
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.points.correspondences import Correspondences
 
 # Posterior mass of sigma near a bound that is worth a caveat.

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from bayescal.inference.least_squares import LeastSquaresFit
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 
 LOG_2PI = math.log(2 * math.pi)
 

@@ -11,7 +11,7 @@ from bayescal.comparison.verdict import AxisVerdict
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.posterior import Posterior
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
 

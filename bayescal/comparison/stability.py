@@ -18,7 +18,7 @@ from bayescal.inference.quadrature import COARSE, FINE
 from bayescal.inference.reweighting import Rows
 from bayescal.models.basis import distinct_values
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
 
 RESAMPLES = 1000

@@ -7,7 +7,7 @@ from functools import cached_property
 
 from bayescal.inference.evidence import Reduced
 from bayescal.inference.least_squares import Factorisation
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import CoefficientPrior
 
 
