@@ -21,7 +21,6 @@ from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
 from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, sample_posterior
 from bayescal.models import separable
-from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.groups import Groups, groups_of
@@ -240,5 +239,4 @@ def residuals(data: AxisData, fit: LeastSquaresFit) -> Array:
     Array
         ``(n_points,)``, px.
     """
-    design = legendre_design(data.domain.scale(data.x), fit.order)
-    return data.t - design @ fit.amplitudes
+    return data.t - data.design(fit.order) @ fit.amplitudes

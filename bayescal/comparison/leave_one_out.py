@@ -24,7 +24,6 @@ from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.evidence import LOG_2PI, log_evidences
 from bayescal.inference.quadrature import FINE
 from bayescal.inference.reweighting import Rows
-from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
 
 # A point is refitted where the posterior without it peaks at a node at which the density
@@ -120,7 +119,7 @@ def _node_densities(
 ) -> tuple[Array, Array, Array]:
     """Log densities of points without and with themselves, ``(n_part, n_nodes)``."""
     model, conditional = exact.model, exact.conditional
-    design = legendre_design(data.domain.scale(data.x[part]), model.order)
+    design = data.design(model.order)[part]
     t, sd = data.t[part], data.sd[part] if data.sd is not None else np.ones(design.shape[0])
     design, offset = design / sd[:, None], (t - design @ model.prior.mean) / sd
     variance = exact.sigma**2

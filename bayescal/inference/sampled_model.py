@@ -51,7 +51,7 @@ class SampledModel(Protocol):
         ...
 
     def report(self, full: Array) -> Array:
-        """Reported parameters of completed draws, ``(n_draws, n_names)``, in their units."""
+        """Give the reported parameters of completed draws, ``(n_draws, n_names)``."""
         ...
 
     def log_likelihood(self, full: Array) -> Array:
