@@ -12,7 +12,6 @@ from scipy.special import ndtr, ndtri
 from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.inference.strength import Strength
-from bayescal.models.basis import MonomialMap, legendre_design
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.gaussian import LOG_2PI
 from bayescal.models.noise.level import NoiseLevel
@@ -77,16 +76,17 @@ class RobustLinearModel:
         prior: CoefficientPrior,
         noise: NoiseModel,
     ) -> RobustLinearModel:
-        """Set up one order of the separable family, reported in monomials."""
+        """Set up one order of a linear family, reported in monomials."""
+        monomials = data.monomials(order)
         return cls(
-            legendre_design(data.domain.scale(data.x), order),
+            data.design(order),
             data.t,
             data.sd,
             prior,
             level,
             noise,
-            MonomialMap(data.domain, order).matrix,
-            tuple(f"{data.symbol}_{j}" for j in range(order + 1)),
+            monomials.lead(order),
+            tuple(f"{data.symbol}_{powers}" for powers in monomials.suffixes),
         )
 
     @property
