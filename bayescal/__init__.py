@@ -34,6 +34,8 @@ _EXPORTS = {
     "fit": "bayescal.api",
     "fit_polynomial": "bayescal.api",
     "least_squares": "bayescal.api",
+    "open_run": "bayescal.report.reopen",
+    "save_run": "bayescal.report.run",
     "reproduce": "bayescal.reproduction",
 }
 
@@ -50,8 +52,10 @@ __all__ = [
     "least_squares",
     "load",
     "load_setup",
+    "open_run",
     "reproduce",
     "save",
+    "save_run",
     "thesis",
 ]
 
@@ -69,6 +73,8 @@ if TYPE_CHECKING:
     from bayescal.points.reader import load
     from bayescal.points.setup import Setup, load_setup
     from bayescal.points.writer import save
+    from bayescal.report.reopen import open_run
+    from bayescal.report.run import save_run
     from bayescal.reproduction import reproduce
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -30,6 +30,21 @@ from bayescal.settings import Settings, check_resolved, noise_level, prior_rule
 Progress: TypeAlias = Callable[[str, int], None]
 
 
+class Sampler(Protocol):
+    """Where a model's posterior comes from: emcee, or a run that kept its draws."""
+
+    def __call__(
+        self, name: str, model: LinearModel, rng: np.random.Generator, ess: int
+    ) -> Posterior:
+        """Give the posterior of a model; `name`, such as ``"r-order-4"``, is its own in a run."""
+        ...
+
+
+def by_emcee(name: str, model: LinearModel, rng: np.random.Generator, ess: int) -> Posterior:  # noqa: ARG001
+    """Sample a model now."""
+    return sample_posterior(model, rng, ess)
+
+
 @dataclass(frozen=True, eq=False)
 class _Task:
     """One axis to compare, with what is known beside its own numbers."""
@@ -49,6 +64,7 @@ def analyse_points(
     orders: dict[str, tuple[int, ...]],
     settings: Settings,
     progress: Progress | None,
+    sampler: Sampler = by_emcee,
 ) -> Comparison:
     """Compare the orders wanted of each axis of the separable family.
 
@@ -60,6 +76,8 @@ def analyse_points(
     settings : Settings
     progress : callable or None
         Called with axis and order before each model is sampled.
+    sampler : Sampler, optional
+        Where posteriors come from.
 
     Returns
     -------
@@ -86,9 +104,11 @@ def analyse_points(
     }
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
-        axes = {axis: _compare_axis(task, settings, progress) for axis, task in tasks.items()}
+        axes = {
+            axis: _compare_axis(task, settings, progress, sampler) for axis, task in tasks.items()
+        }
     assumed = notes(points, axes.values())
-    return Comparison(axes, separable.NAME, points, settings.seed, settings.ess, assumed)
+    return Comparison(axes, separable.NAME, points, settings, assumed)
 
 
 def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) -> Comparison:
@@ -107,12 +127,14 @@ def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) ->
         With the single axis ``"y"``.
     """
     with threadpool_limits(1):
-        result = _compare_axis(_Task(data, 0, orders), settings, None)
+        result = _compare_axis(_Task(data, 0, orders), settings, None, by_emcee)
     assumed = (f"y: its span, {data.size:.6g}, stands for the image size in the prior",)
-    return Comparison({"y": result}, "polynomial", None, settings.seed, settings.ess, assumed)
+    return Comparison({"y": result}, "polynomial", None, settings, assumed)
 
 
-def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) -> AxisComparison:
+def _compare_axis(
+    task: _Task, settings: Settings, progress: Progress | None, sampler: Sampler
+) -> AxisComparison:
     orders = task.orders
     data, noise, noise_source = noise_level(task.data, settings, task.other, orders[-1])
     rule = prior_rule(data, settings, task.stated)
@@ -128,7 +150,7 @@ def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) ->
         if progress is not None:
             progress(data.axis, k)
         rng = _rng(settings, task, k)
-        posteriors[k] = sample_posterior(models[k], rng, settings.ess)
+        posteriors[k] = sampler(model_name(data.axis, k), models[k], rng, settings.ess)
     chances, evidences = _probabilities(posteriors)
     found = {k: criteria(fits[k], noise, factors.n, factors.log_sd) for k in orders}
     results = tuple(
@@ -159,6 +181,11 @@ def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) ->
     if progress is not None:
         progress(data.axis, 0)
     return _defended(plain, models, task, _rng(settings, task, 0))
+
+
+def model_name(axis: str, order: int) -> str:
+    """Name of a model in a run, such as ``"r-order-4"``."""
+    return f"{axis}-order-{order}"
 
 
 def _rng(settings: Settings, task: _Task, part: int) -> np.random.Generator:

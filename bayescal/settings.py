@@ -60,6 +60,13 @@ class Settings:
     defend: bool = False
 
     def __post_init__(self) -> None:
+        # Plain numbers, whatever numpy's or int they come as: a run writes them down.
+        for name in ("sigma", "tau"):
+            if isinstance(value := getattr(self, name), numbers.Real):
+                object.__setattr__(self, name, float(value))
+        for name in ("seed", "ess"):
+            if isinstance(value := getattr(self, name), numbers.Integral):
+                object.__setattr__(self, name, int(value))
         if isinstance(self.sigma, str) and self.sigma not in SIGMA_WORDS:
             raise InputError(
                 f"sigma must be {', '.join(SIGMA_WORDS)} or a number of px, not {self.sigma!r}"

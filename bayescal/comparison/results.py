@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # a plain comparison does not pay for the defence
     from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.defence import Defence
     from bayescal.comparison.world_units import WorldUnit
+    from bayescal.settings import Settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,18 +134,26 @@ class Comparison:
     family : str
     points : Correspondences or None
         None for a generic problem.
-    seed, ess : int
-        As asked for.
+    settings : Settings
+        What was asked for: noise level, prior, seed and so on.
     notes : tuple of str
         What was assumed because nobody said otherwise.
+    origin : dict or None
+        The provenance of the run that holds exactly this comparison, where it was read from
+        one; None where it was computed just now.
     """
 
     axes: dict[str, AxisComparison]
     family: str
     points: Correspondences | None
-    seed: int
-    ess: int
+    settings: Settings
     notes: tuple[str, ...]
+    origin: dict[str, Any] | None = None
+
+    @property
+    def seed(self) -> int:
+        """Of all randomness."""
+        return self.settings.seed
 
     @property
     def sound(self) -> bool:

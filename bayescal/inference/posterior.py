@@ -147,6 +147,11 @@ def sample_posterior(
         rng,
         ess,
     )
+    return posterior_of(exact, chain)
+
+
+def posterior_of(exact: ExactPosterior, chain: Chain) -> Posterior:
+    """Summarise a chain, sampled now or read from a file, beside the closed form."""
     return Posterior(exact, chain, _summaries(exact, chain))
 
 
