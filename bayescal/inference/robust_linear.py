@@ -21,6 +21,8 @@ from bayescal.models.priors import CoefficientPrior
 # Steps of the robust fit that starts are taken from, and the Cauchy weight's tuning
 # constant (95 % efficient under Gaussian noise; Holland & Welsch 1977).
 STEPS, CAUCHY = 50, 2.385
+# Densities held at once: in pieces that fit a cache the density takes half the time.
+CHUNK = 100_000
 # The median absolute deviation of a normal, in sigma.
 MAD = 0.6744897501960817
 
@@ -132,14 +134,19 @@ class RobustLinearModel:
 
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior per unit of theta, ``(n_draws,)``, nat."""
+        step = max(1, CHUNK // len(self.t))
+        parts = [theta[i : i + step] for i in range(0, len(theta), step)]
+        return np.concatenate([self._log_prob(part) for part in parts])
+
+    def _log_prob(self, theta: Array) -> Array:
         likelihood = self.log_likelihood(theta).sum(axis=1)
         density: Array = likelihood + self.noise.log_prior(self.eta(theta))
         if self.infers_sigma:
             density += -(theta[:, self.size] ** 2 + LOG_2PI) / 2
-        density += self._log_prior(theta[:, : self.size])
+        density += self._log_amplitude_prior(theta[:, : self.size])
         return np.where(np.isnan(density), -np.inf, density)
 
-    def _log_prior(self, amplitudes: Array) -> Array:
+    def _log_amplitude_prior(self, amplitudes: Array) -> Array:
         """Log prior of the amplitudes, an inferred tau integrated out, ``(n_draws,)``."""
         prior = self.prior
         log_tau = math.log(prior.tau) if prior.tau is not None else 0.0
