@@ -96,6 +96,29 @@ def psis_loo(log_likelihood: Array) -> tuple[Array, Array, Array]:
     return elpd, mcse, np.asarray(pareto_k)
 
 
+def pareto_shape(log_weights: Array) -> float:
+    """Pareto k of the upper tail of importance weights (Vehtari et al. 2024).
+
+    Parameters
+    ----------
+    log_weights : Array
+        ``(n_draws,)``; -inf for draws outside the support.
+
+    Returns
+    -------
+    float
+        inf where the tail has no shape.
+    """
+    from arviz_stats.base import array_stats
+
+    # psislw smooths 1 / likelihood: the weights it is given are negated logs.
+    finite = np.maximum(log_weights, log_weights.max() - 700.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        _, shape = array_stats.psislw(-finite, axis=-1)
+    k = float(np.asarray(shape))
+    return k if np.isfinite(k) else np.inf
+
+
 def write_netcdf(
     path: Path,
     posterior: dict[str, Array],

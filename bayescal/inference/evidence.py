@@ -26,8 +26,8 @@ from bayescal.models.priors import CoefficientPrior
 LOG_2PI = float(np.log(2 * np.pi))
 # "Piling up at a bound": this much of sigma's posterior within this fraction of it.
 NEAR_BOUND = 0.05
-# Numbers held at once while many models are integrated.
-CHUNK = 4_000_000
+# Numbers held at once while many models are integrated: few enough for a core's cache.
+CHUNK = 300_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,10 +91,19 @@ class Projection:
 
     def log_likelihood(self, data: Reduced, log_sigma: Array) -> Array:
         """Log of the likelihood with b integrated out, ``(..., n_tau, n_sigma)``."""
-        variance = np.exp(2 * log_sigma)[:, None]
-        total = self.precision * variance + self.d[..., None, :] ** 2
-        quadratic = self.precision * self.w[..., None, :] ** 2 / total
-        projected: Array = (np.log(total) + quadratic).sum(axis=-1)
+        variance = np.exp(2 * log_sigma)
+        logs: Array | float = 2 * self.d.shape[-1] * log_sigma
+        quadratic: Array | float = 0.0
+        ratios: Array | float = 1.0
+        # One amplitude at a time: no array of all of them is made, and one logarithm
+        # serves four (ratios are at least 1, or rank-limited under a flat prior).
+        for j in range(self.d.shape[-1]):
+            ratio = self.precision + self.d[..., j, None] ** 2 / variance
+            quadratic = quadratic + self.w[..., j, None] ** 2 / ratio
+            ratios = ratios * ratio
+            if j % 4 == 3:
+                logs, ratios = logs + np.log(ratios), 1.0
+        projected = logs + np.log(ratios) + self.precision * quadratic / variance
         p = data.qt.shape[-1]
         spare, rss, log_sd = ((a[..., None, None]) for a in (data.n - p, data.rss, data.log_sd))
         constant = -(spare + self.precision * p) / 2 * LOG_2PI - log_sd

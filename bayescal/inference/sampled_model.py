@@ -51,7 +51,7 @@ class SampledModel(Protocol):
         ...
 
     def report(self, full: Array) -> Array:
-        """Give the reported parameters of completed draws, ``(n_draws, n_names)``."""
+        """Give completed draws in reported units, ``(n_draws, n_names)``."""
         ...
 
     def log_likelihood(self, full: Array) -> Array:

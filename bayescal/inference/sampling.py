@@ -121,18 +121,46 @@ def _collect(
     u = sampler.get_chain()  # (step, walker, dimension)
     theta = whitening.theta(u.swapaxes(0, 1))
     draws = report(theta.reshape(-1, theta.shape[2])).reshape(*theta.shape[:2], -1)
-    diagnostics = tuple(diagnose(draws[:, :, j]) for j in range(draws.shape[2]))
-    time = max(autocorrelation_time(draws[:, :, j]) for j in range(draws.shape[2]))
+    return judged(
+        draws, theta, sampler.get_log_prob().T, float(np.mean(sampler.acceptance_fraction)), ess
+    )
+
+
+def judged(
+    draws: Array,
+    theta: Array,
+    log_prob: Array,
+    acceptance: float,
+    ess: int,
+    ensembles: int | None = None,
+) -> Chain:
+    """Diagnose draws and apply the stopping rule.
+
+    Parameters
+    ----------
+    draws, theta, log_prob, acceptance
+        As of a Chain.
+    ess : int
+        Effective samples wanted of every parameter.
+    ensembles : int, optional
+        Number of ensembles whose walkers interact, one after the other along the first
+        axis: R-hat is then that over the ensembles, each a chain of all its walkers.
+    """
+    columns = range(draws.shape[2])
+    diagnostics = tuple(diagnose(draws[:, :, j]) for j in columns)
+    if ensembles is not None:
+        walkers = draws.reshape(ensembles, -1, *draws.shape[1:])
+        merged = walkers.swapaxes(1, 2).reshape(ensembles, -1, draws.shape[2])
+        diagnostics = tuple(
+            found._replace(rhat=diagnose(merged[:, :, j]).rhat)
+            for j, found in enumerate(diagnostics)
+        )
+    time = max(autocorrelation_time(draws[:, :, j]) for j in columns)
     enough = min(min(d.ess_bulk, d.ess_tail) for d in diagnostics) >= ess
     mixed = max(d.rhat for d in diagnostics) < RHAT_LIMIT
+    long = draws.shape[1] > TAU_STEPS * time
     return Chain(
-        draws,
-        theta,
-        sampler.get_log_prob().T,
-        diagnostics,
-        float(np.mean(sampler.acceptance_fraction)),
-        time,
-        bool(enough and mixed and draws.shape[1] > TAU_STEPS * time),
+        draws, theta, log_prob, diagnostics, acceptance, time, bool(enough and mixed and long)
     )
 
 

@@ -70,13 +70,14 @@ class LogUniform:
                 )
             )
         out = self.log_density - math.log(2) - a * np.log(q / 2) + gammaln(a) + between
-        far = ~np.isfinite(between)  # all mass beyond the upper bound: the end that is nearest
-        return np.asarray(np.where(far, self._beyond(q, m), out))
+        lost = ~np.isfinite(between)  # below every double: the mass is all at one bound
+        return np.asarray(np.where(lost, self._at_bound(q, m), out))
 
-    def _beyond(self, q: Array, m: int) -> Array:
-        """Leading term where q is far above what even the upper bound explains (Watson's lemma)."""
-        slope = np.maximum(q / self.upper**2 - m, 1.0)
-        log_peak = -m * math.log(self.upper) - q / (2 * self.upper**2)
+    def _at_bound(self, q: Array, m: int) -> Array:
+        """Leading term where q is far from what any s in the bounds makes (Watson's lemma)."""
+        nearest = np.where(q > m * self.upper**2, self.upper, self.lower)
+        slope = np.maximum(np.abs(q / nearest**2 - m), 1.0)
+        log_peak = -m * np.log(nearest) - q / (2 * nearest**2)
         return np.asarray(self.log_density + log_peak - np.log(slope))
 
     def draw(self, rng: np.random.Generator, q: Array, m: int) -> Array:

@@ -96,6 +96,8 @@ def exact_table(axis: AxisComparison, result: OrderResult) -> RenderableType:
     rows = []
     errors = result.fit.standard_errors
     for j, p in enumerate(result.posterior.parameters):
+        if p.exact_mean is None or p.exact_sd is None or p.deviation is None:
+            continue
         fitted = j <= result.order
         error = float(errors[j]) if errors is not None and fitted else None
         rows.append(

@@ -184,7 +184,7 @@ def sampling_line(comparison: Comparison) -> RenderableType:
         f"acceptance at least {min(c.acceptance for c in chains):.2f}, autocorrelation time at "
         f"most {max(c.autocorrelation_time for c in chains):.2f} steps, ESS at least {ess:.0f}, "
         f"R-hat at most {max(p.rhat for p in parameters):.3f}; means and sds within "
-        f"{max(p.deviation for p in parameters):.1f} Monte Carlo errors of the closed form "
+        f"{max(p.deviation or 0.0 for p in parameters):.1f} Monte Carlo errors of the closed form "
         "(limit 5)."
     )
     if comparison.sound:
