@@ -36,6 +36,7 @@ _EXPORTS = {
     "least_squares": "bayescal.api",
     "open_run": "bayescal.report.reopen",
     "save_run": "bayescal.report.run",
+    "plot": "bayescal.report.figures.registry",
     "reproduce": "bayescal.reproduction",
 }
 
@@ -53,6 +54,7 @@ __all__ = [
     "load",
     "load_setup",
     "open_run",
+    "plot",
     "reproduce",
     "save",
     "save_run",
@@ -73,6 +75,7 @@ if TYPE_CHECKING:
     from bayescal.points.reader import load
     from bayescal.points.setup import Setup, load_setup
     from bayescal.points.writer import save
+    from bayescal.report.figures.registry import plot
     from bayescal.report.reopen import open_run
     from bayescal.report.run import save_run
     from bayescal.reproduction import reproduce

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -30,19 +31,36 @@ from bayescal.settings import Settings, check_resolved, noise_level, prior_rule
 Progress: TypeAlias = Callable[[str, int], None]
 
 
-class Sampler(Protocol):
-    """Where a model's posterior comes from: emcee, or a run that kept its draws."""
+class Source(Protocol):
+    """Where what takes long comes from: computed now, or read from a run that kept it."""
 
-    def __call__(
+    def posterior(
         self, name: str, model: LinearModel, rng: np.random.Generator, ess: int
     ) -> Posterior:
-        """Give the posterior of a model; `name`, such as ``"r-order-4"``, is its own in a run."""
+        """Posterior of a model; `name`, such as ``"r-order-4"``, is its own in the comparison."""
+        ...
+
+    def wins(self, axis: str, unit: str) -> dict[int, float] | None:
+        """Share of bootstrap resamples of an axis each order won; None where not yet known."""
         ...
 
 
-def by_emcee(name: str, model: LinearModel, rng: np.random.Generator, ess: int) -> Posterior:  # noqa: ARG001
-    """Sample a model now."""
-    return sample_posterior(model, rng, ess)
+class Computed:
+    """Everything computed now; models are sampled with emcee."""
+
+    def posterior(
+        self,
+        name: str,  # noqa: ARG002 - for those who keep draws by name
+        model: LinearModel,
+        rng: np.random.Generator,
+        ess: int,
+    ) -> Posterior:
+        """Sample a model."""
+        return sample_posterior(model, rng, ess)
+
+    def wins(self, axis: str, unit: str) -> None:  # noqa: ARG002
+        """Know nothing yet."""
+        return
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +82,7 @@ def analyse_points(
     orders: dict[str, tuple[int, ...]],
     settings: Settings,
     progress: Progress | None,
-    sampler: Sampler = by_emcee,
+    source: Source | None = None,
 ) -> Comparison:
     """Compare the orders wanted of each axis of the separable family.
 
@@ -76,8 +94,8 @@ def analyse_points(
     settings : Settings
     progress : callable or None
         Called with axis and order before each model is sampled.
-    sampler : Sampler, optional
-        Where posteriors come from.
+    source : Source, optional
+        Where posteriors come from; by default they are sampled.
 
     Returns
     -------
@@ -104,9 +122,8 @@ def analyse_points(
     }
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
-        axes = {
-            axis: _compare_axis(task, settings, progress, sampler) for axis, task in tasks.items()
-        }
+        source = source or Computed()
+        axes = {a: _compare_axis(task, settings, progress, source) for a, task in tasks.items()}
     assumed = notes(points, axes.values())
     return Comparison(axes, separable.NAME, points, settings, assumed)
 
@@ -127,13 +144,13 @@ def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) ->
         With the single axis ``"y"``.
     """
     with threadpool_limits(1):
-        result = _compare_axis(_Task(data, 0, orders), settings, None, by_emcee)
+        result = _compare_axis(_Task(data, 0, orders), settings, None, Computed())
     assumed = (f"y: its span, {data.size:.6g}, stands for the image size in the prior",)
     return Comparison({"y": result}, "polynomial", None, settings, assumed)
 
 
 def _compare_axis(
-    task: _Task, settings: Settings, progress: Progress | None, sampler: Sampler
+    task: _Task, settings: Settings, progress: Progress | None, source: Source
 ) -> AxisComparison:
     orders = task.orders
     data, noise, noise_source = noise_level(task.data, settings, task.other, orders[-1])
@@ -150,7 +167,7 @@ def _compare_axis(
         if progress is not None:
             progress(data.axis, k)
         rng = _rng(settings, task, k)
-        posteriors[k] = sampler(model_name(data.axis, k), models[k], rng, settings.ess)
+        posteriors[k] = source.posterior(model_name(data.axis, k), models[k], rng, settings.ess)
     chances, evidences = _probabilities(posteriors)
     found = {k: criteria(fits[k], noise, factors.n, factors.log_sd) for k in orders}
     results = tuple(
@@ -180,7 +197,7 @@ def _compare_axis(
         return plain
     if progress is not None:
         progress(data.axis, 0)
-    return _defended(plain, models, task, _rng(settings, task, 0))
+    return _defended(plain, models, task, source, _rng(settings, task, 0))
 
 
 def model_name(axis: str, order: int) -> str:
@@ -195,7 +212,11 @@ def _rng(settings: Settings, task: _Task, part: int) -> np.random.Generator:
 
 
 def _defended(
-    plain: AxisComparison, models: dict[int, LinearModel], task: _Task, rng: np.random.Generator
+    plain: AxisComparison,
+    models: dict[int, LinearModel],
+    task: _Task,
+    source: Source,
+    rng: np.random.Generator,
 ) -> AxisComparison:
     """Add the answers to a referee; a plain comparison does not pay for importing them."""
     from bayescal.comparison.adequacy.block import adequacy
@@ -215,6 +236,7 @@ def _defended(
         verdict.plausible,
         task.groups,
         rng,
+        partial(source.wins, data.axis),
     )
     draws = chosen.posterior.chain.draws
     tests = adequacy(

@@ -7,22 +7,24 @@ from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
-from bayescal.comparison.verdict import AxisVerdict
+from bayescal.comparison.verdict import AxisVerdict, percent
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.posterior import Posterior
-from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.markup import bullets, table
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
+from bayescal.rounding import plain
 
 if TYPE_CHECKING:  # a plain comparison does not pay for the defence
     from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.defence import Defence
     from bayescal.comparison.world_units import WorldUnit
+    from bayescal.inference.sampled_posterior import SampledPosterior
     from bayescal.settings import Settings
 
 
@@ -68,15 +70,21 @@ class OrderResult:
     @property
     def evidence_warnings(self) -> tuple[str, ...]:
         """Why a sampled evidence should not be trusted; empty where it can be."""
-        sampled = isinstance(self.posterior, SampledPosterior)
-        return self.posterior.estimate.warnings if sampled else ()
+        posterior = self.posterior
+        return () if isinstance(posterior, Posterior) else posterior.estimate.warnings
 
     @property
     def sound(self) -> bool:
-        """Whether the draws converged, and agree with the closed form or have an evidence."""
-        if isinstance(self.posterior, SampledPosterior):
-            return self.posterior.converged and not self.posterior.estimate.warnings
-        return self.posterior.converged and self.posterior.agrees_with_exact
+        """Whether the draws converged and agree with the closed form or, without one, whether
+        the evidence can be trusted.
+        """
+        posterior = self.posterior
+        checked = (
+            posterior.agrees_with_exact
+            if isinstance(posterior, Posterior)
+            else posterior.estimate.certain
+        )
+        return posterior.converged and checked
 
     def __repr__(self) -> str:
         chance = "" if self.probability is None else f", probability {self.probability:.3f}"
@@ -144,6 +152,29 @@ class AxisComparison:
     def __repr__(self) -> str:
         return f"<AxisComparison {self.data.axis}: {self.verdict.text}>"
 
+    def _repr_html_(self) -> str:
+        """Show orders and verdict in a notebook."""
+        data, best = self.data, self.verdict.order
+        unit = "units of y" if data.axis == "y" else "px"
+        rows = [
+            [
+                f"{r.order} (recommended)" if r.order == best else f"{r.order}",
+                plain(r.rss_px2),
+                _shown(r.fit.sigma_hat, ".3g"),
+                _shown(r.criteria.aicc, ".1f"),
+                _shown(r.criteria.bic, ".1f"),
+                _shown(r.log_evidence, ".2f"),
+                "" if r.probability is None else percent(r.probability),
+            ]
+            for r in self.orders
+        ]
+        heads = ["order", f"RSS, ({unit})²", f"sigma^, {unit}", "AICc", "BIC", "ln Z, nat"]
+        caption = f"{data.axis} as a polynomial of {data.regressor}, {len(data)} points"
+        marked = next((i for i, r in enumerate(self.orders) if r.order == best), None)
+        return table(caption, [*heads, "probability"], rows, marked=marked) + (
+            self.verdict._repr_html_()
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
@@ -190,3 +221,12 @@ class Comparison:
     def __repr__(self) -> str:
         lines = [f"  {name}: {axis.verdict.text}" for name, axis in self.axes.items()]
         return "\n".join([f"<Comparison: family {self.family}", *lines]) + ">"
+
+    def _repr_html_(self) -> str:
+        """Show every axis in a notebook, and what was assumed."""
+        axes = "".join(axis._repr_html_() for axis in self.axes.values())
+        return axes + bullets("Notes", self.notes)
+
+
+def _shown(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)

@@ -61,7 +61,7 @@ def open_run(folder: str | Path, *, defend: bool | None = None) -> Comparison:
     settings = run.settings
     if defend is not None:
         settings = dataclasses.replace(settings, defend=defend)
-    comparison = analyse_points(run.points(), run.orders, settings, None, run.posterior)
+    comparison = analyse_points(run.points(), run.orders, settings, None, run)
     wrong = _disagreement(run.document, document(comparison, ""))
     if wrong is not None:
         raise InputError(f"{run.folder}: {wrong}: {run.between()}; {run.again}")
@@ -192,7 +192,7 @@ class _Run:
         rng: np.random.Generator,  # noqa: ARG002 - nothing is sampled
         ess: int,  # noqa: ARG002
     ) -> Posterior:
-        """Read a model's draws (a `bayescal.analysis.Sampler`)."""
+        """Read a model's draws (as a `bayescal.analysis.Source`)."""
         place = f"{DRAWS}/{name}.nc"
         raw = self.content(place)
         try:
@@ -200,6 +200,14 @@ class _Run:
         except ValueError as error:
             raise InputError(f"{self.folder / place}: {error}; {self.again}") from None
         return posterior_of(exact_posterior(model), chain)
+
+    def wins(self, axis: str, unit: str) -> dict[int, float] | None:
+        """Bootstrap shares of an axis, which take most of a defence's time."""
+        defence = self.document["axes"][axis]["defence"]
+        for found in defence["bootstrap"] if defence is not None else []:
+            if found["unit"] == unit:
+                return {int(k): share for k, share in found["share"].items()}
+        return None
 
 
 def is_run(path: Path) -> bool:

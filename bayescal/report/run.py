@@ -100,8 +100,8 @@ def write_run(folder: Path, comparison: Comparison, result_json: str, *, force: 
         names = sorted(p.relative_to(made).as_posix() for p in made.rglob("*") if p.is_file())
         hashes = {name: digest((made / name).read_bytes()) for name in names}
         (made / MANIFEST).write_bytes((json.dumps(_manifest(points, hashes)) + "\n").encode())
-        for name, axis in comparison.axes.items():
-            _write_corner(made / f"corner-{name}.png", axis)
+        for name in comparison.axes:
+            _write_corner(made / f"corner-{name}.png", comparison, name)
 
     write_folder(folder, RUN, fill, force=force)
 
@@ -134,14 +134,15 @@ def _write_draws(path: Path, axis: AxisComparison, result: OrderResult) -> None:
             "axis": axis.data.axis,
             "regressor": axis.data.regressor,
             "order": result.order,
-            "units": "coefficients and sigma in px, tau a fraction of the image",
+            "units": "coefficients and sigma in px, tau a fraction of the image, scale a factor",
             "inference_library": "emcee",
         }
     )
     write_netcdf(path, draws)
 
 
-def _write_corner(path: Path, axis: AxisComparison) -> None:
-    from bayescal.report.figures import corner_plot
+def _write_corner(path: Path, comparison: Comparison, name: str) -> None:
+    from bayescal.report.figures.registry import KINDS
+    from bayescal.report.figures.style import figure_bytes
 
-    corner_plot(axis, axis.chosen).savefig(path, dpi=110)
+    path.write_bytes(figure_bytes(KINDS["corner"].draw(comparison, name), "png", dpi=150))
