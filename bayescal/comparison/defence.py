@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
 from bayescal.models.priors import PriorRule
 from bayescal.points.groups import Groups
+
+if TYPE_CHECKING:
+    from bayescal.comparison.noise_evidence import NoiseEvidence
 
 # Log densities held at once by the check of leave-one-out from the draws.
 PSIS_NUMBERS = 20_000_000
@@ -112,6 +116,8 @@ class Defence:
     beyond : Beyond or None
     worth : tuple of Worth
         Of every other plausible order.
+    noises : tuple of NoiseEvidence
+        Evidence of the recommended order under the other noise models.
     """
 
     prediction: dict[int, Prediction]
@@ -122,6 +128,7 @@ class Defence:
     resampled: tuple[Bootstrap, ...]
     beyond: Beyond | None
     worth: tuple[Worth, ...]
+    noises: tuple[NoiseEvidence, ...] = ()
 
 
 def defend(

@@ -11,7 +11,6 @@ from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
 from bayescal.models.camera_prior import PinholePrior
 from bayescal.models.log_uniform import LogUniform
-from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.pinhole import POSE, PinholeGeometry
 from bayescal.points.setup import AXES
@@ -40,7 +39,7 @@ class PinholeModel:
     prior: PinholePrior
     data: JointData
     fit: PinholeFit
-    noise: NoiseModel = Gaussian()
+    noise: NoiseModel = GAUSSIAN
 
     @property
     def gaussian(self) -> bool:
@@ -182,7 +181,7 @@ class PinholeModel:
         return np.asarray(np.log(self.data.deviations).sum(axis=1))
 
     def _noise(self, columns: Array) -> list[tuple[Array, Array, Array]]:
-        """ln sigma, eta and whether sigma is within its bounds, of each axis."""
+        """Ln sigma, eta and whether sigma is within its bounds, of each axis."""
         at, q, out = self.geometry.dimension, self.noise.dimension, []
         for level in self.data.levels:
             inside = np.ones(len(columns), dtype=bool)

@@ -15,9 +15,19 @@ from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.sensitivity import TauSensitivity
 from bayescal.comparison.stability import Bootstrap, Removal, joint_probabilities
 from bayescal.comparison.verdict import percent
+from bayescal.models.noise.gaussian import GAUSSIAN
+from bayescal.report.noise import noises_document, noises_table
 from bayescal.report.tables import make_table
 from bayescal.rounding import significant
 
+EXACT_ELPD = (
+    "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
+    "PSIS: the same from the draws, with its Monte Carlo error."
+)
+SAMPLED_ELPD = (
+    "elpd: leave-one-out from the draws (PSIS), one pixel value left out at a time, with its "
+    "Monte Carlo error beside PSIS; behind: the best order."
+)
 # Where the table over tau is evaluated: nodes of the grid, fractions of the image.
 SHOWN_TAU = (0.001, 0.00316228, 0.01, 0.0316228, 0.1, 0.316228, 1.0)
 
@@ -32,10 +42,8 @@ def defence_view(axis: AxisComparison) -> RenderableType:
         Text(f"  Defence of {axis.data.axis}: prediction and stability", style="bold"),
         _prediction_table(axis, defence),
     ]
-    lines = [
-        "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
-        "PSIS: the same from the draws, with its Monte Carlo error."
-    ]
+    gaussian = axis.noise_model.name == GAUSSIAN.name
+    lines = [EXACT_ELPD if gaussian else SAMPLED_ELPD]
     lines += _influential(axis, defence)
     if len(axis.data) < SMALL_SAMPLE:
         lines.append(
@@ -52,7 +60,14 @@ def defence_view(axis: AxisComparison) -> RenderableType:
         parts.append(_tau_table(axis, defence.tau))
     if defence.resampled:
         parts.append(_stability_table(axis, defence))
-    parts += [Padding(Text(line), (0, 0, 0, 2)) for line in _world_lines(axis)]
+    if defence.noises:
+        parts.append(noises_table(axis, defence.noises))
+    last = _world_lines(axis)
+    if not gaussian:
+        from bayescal.comparison.robust_defence import LEFT_OUT
+
+        last.append(LEFT_OUT)
+    parts += [Padding(Text(line), (0, 0, 0, 2)) for line in last]
     return Group(*parts)
 
 
@@ -67,7 +82,7 @@ def _influential(axis: AxisComparison, defence: Defence) -> list[str]:
     more = f" and {len(found.influential) - 6} more" if len(found.influential) > 6 else ""
     return [
         f"Pareto k above {found.k_limit:.2g} at order {axis.chosen.order}: {names}{more}; "
-        "there PSIS is no check, because the draws can't tell what is predicted without the point."
+        "there PSIS can't be trusted: the draws can't tell what is predicted without the point."
     ]
 
 
@@ -197,6 +212,7 @@ def defence_document(defence: Defence) -> dict[str, Any]:
             "probability": {str(k): p for k, p in beyond.probability.items()},
             "winner": beyond.winner,
         },
+        "noises": noises_document(defence.noises),
         "worth": [
             {"order": w.order, "largest_px": w.largest, "sd_px": w.sd, "at": w.at}
             for w in defence.worth

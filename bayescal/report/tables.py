@@ -12,6 +12,7 @@ from rich.text import Text
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
+from bayescal.inference.posterior import Posterior
 from bayescal.report.render import WIDTH
 from bayescal.rounding import rounded, significant
 
@@ -116,7 +117,9 @@ def exact_table(axis: AxisComparison, result: OrderResult) -> RenderableType:
 def facts(axis: AxisComparison, result: OrderResult) -> RenderableType:
     """Everything that is one number about one order."""
     good, found = result.goodness, result.criteria
-    exact = result.posterior.exact
+    posterior = result.posterior
+    sampled = not isinstance(posterior, Posterior)
+    error = f" ({'Monte Carlo' if sampled else 'quadrature'} error below {{:.0e}})"
     facts: Sequence[tuple[str, str]] = [
         ("order", f"{result.order} ({result.order + 1} coefficients, K = {found.n_parameters})"),
         ("residual sum of squares", f"{result.rss_px2:.6g} px²"),
@@ -136,8 +139,8 @@ def facts(axis: AxisComparison, result: OrderResult) -> RenderableType:
         ),
         (
             "ln evidence",
-            _maybe(exact.log_evidence, lambda v: f"{v:.4f}")
-            + _maybe(exact.log_evidence_error, lambda v: f" (quadrature error below {v:.0e})"),
+            _maybe(posterior.log_evidence, lambda v: f"{v:.4f}")
+            + _maybe(posterior.log_evidence_error, error.format),
         ),
     ]
     table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))

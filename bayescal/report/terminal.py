@@ -7,7 +7,9 @@ from rich.padding import Padding
 from rich.text import Text
 
 from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.models.priors import TAU_BOUNDS
+from bayescal.report.noise import noise_words, robust_footnotes, robust_orders_table
 from bayescal.report.render import WIDTH as WIDTH
 from bayescal.report.render import render as render
 from bayescal.report.tables import coefficients_table, exact_table, facts, orders_table
@@ -18,7 +20,7 @@ def comparison_view(comparison: Comparison) -> RenderableType:
     """Everything that ``compare`` prints."""
     parts: list[RenderableType] = [header(comparison)]
     for axis in comparison.axes.values():
-        parts += [axis_title(axis), orders_table(axis), *_footnotes(axis), verdict_view(axis)]
+        parts += [axis_title(axis), *_orders(axis), verdict_view(axis)]
         if axis.defence is not None:
             parts += _defended(axis)
         if axis.verdict.order is None:
@@ -29,17 +31,26 @@ def comparison_view(comparison: Comparison) -> RenderableType:
     return Group(*parts)
 
 
+def _orders(axis: AxisComparison) -> list[RenderableType]:
+    """Table of the orders and what must be said of it."""
+    if axis.noise_model.name == GAUSSIAN.name:
+        return [orders_table(axis), *_footnotes(axis)]
+    lines = [*robust_footnotes(axis), *_scatter_line(axis)]
+    return [robust_orders_table(axis), *(Padding(Text(line), (0, 0, 0, 2)) for line in lines)]
+
+
 def _defended(axis: AxisComparison) -> list[RenderableType]:
     from bayescal.report.adequacy import adequacy_view
     from bayescal.report.defence import defence_view
 
-    return [defence_view(axis), adequacy_view(axis.adequacy, axis.chosen.order)]
+    tests = [adequacy_view(axis.adequacy, axis.chosen.order)] if axis.adequacy else []
+    return [defence_view(axis), *tests]
 
 
 def _across(comparison: Comparison) -> list[RenderableType]:
     """Joint probabilities of both axes, or how to ask for them and more."""
     if any(axis.defence is None for axis in comparison.axes.values()):
-        more = "leave-one-out, prior sensitivity, stability, adequacy and orders beyond"
+        more = "leave-one-out, prior sensitivity, stability, adequacy, other noise, orders beyond"
         return [Text(f"Would it persuade a referee? --defend adds {more}.\n")]
     if len(comparison.axes) != 2:
         return []
@@ -86,7 +97,7 @@ def axis_title(axis: AxisComparison) -> RenderableType:
 
 
 def _noise_words(axis: AxisComparison) -> str:
-    words = f"Gaussian, sigma {axis.noise_source}"
+    words = noise_words(axis)
     if axis.noise.bounds is not None:
         lower, upper = axis.noise.bounds
         unit = "" if axis.noise.source == "scale" else " px"
@@ -146,13 +157,18 @@ def _footnotes(axis: AxisComparison) -> list[RenderableType]:
     ]
     if best:
         lines.append(f"Smallest {', '.join(best)}; dAIC, dAICc, dBIC are above these.")
-    spread, dof = axis.scatter
-    if spread is not None:
-        lines.append(
-            f"Points that share {axis.data.regressor} scatter by {spread:.2f} px "
-            f"({dof} dof): noise plus what {axis.data.regressor} does not explain."
-        )
+    lines += _scatter_line(axis)
     return [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
+
+
+def _scatter_line(axis: AxisComparison) -> list[str]:
+    spread, dof = axis.scatter
+    if spread is None:
+        return []
+    return [
+        f"Points that share {axis.data.regressor} scatter by {spread:.2f} px "
+        f"({dof} dof): noise plus what {axis.data.regressor} does not explain."
+    ]
 
 
 def verdict_view(axis: AxisComparison) -> RenderableType:
@@ -173,6 +189,20 @@ def _caveats(axis: AxisComparison) -> list[RenderableType]:
     ]
 
 
+def _checked(comparison: Comparison) -> str:
+    """Say what draws and evidences were checked against."""
+    results = [r for axis in comparison.axes.values() for r in axis.orders]
+    deviations = [p.deviation for r in results for p in r.posterior.parameters]
+    compared = [d for d in deviations if d is not None]
+    if compared:
+        return (
+            f"means and sds within {max(compared):.1f} Monte Carlo errors of the closed form "
+            "(limit 5)"
+        )
+    errors = [r.posterior.log_evidence_error or 0.0 for r in results]
+    return f"evidences to within {significant(max(errors), 1)} nat (limit 0.1)"
+
+
 def sampling_line(comparison: Comparison) -> RenderableType:
     """Whether the draws can be trusted, for all models at once."""
     results = [r for axis in comparison.axes.values() for r in axis.orders]
@@ -183,16 +213,15 @@ def sampling_line(comparison: Comparison) -> RenderableType:
         f"emcee, {len(results)} model{'s' * (len(results) > 1)}, seed {comparison.seed}: "
         f"acceptance at least {min(c.acceptance for c in chains):.2f}, autocorrelation time at "
         f"most {max(c.autocorrelation_time for c in chains):.2f} steps, ESS at least {ess:.0f}, "
-        f"R-hat at most {max(p.rhat for p in parameters):.3f}; means and sds within "
-        f"{max(p.deviation or 0.0 for p in parameters):.1f} Monte Carlo errors of the closed form "
-        "(limit 5)."
+        f"R-hat at most {max(p.rhat for p in parameters):.3f}; {_checked(comparison)}."
     )
     if comparison.sound:
         return Text(text)
     return Group(
         Text(text),
         Text(
-            "NOT SOUND: some draws did not converge or disagree with the closed form; see above.",
+            "NOT SOUND: some draws did not converge or disagree with the closed form, or an "
+            "evidence should not be trusted; see above.",
             style="bold",
         ),
     )
