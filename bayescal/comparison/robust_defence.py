@@ -8,26 +8,17 @@ left out, and `LEFT_OUT` says so.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.special import logsumexp
 
-from bayescal.arrays import Array, frozen
-from bayescal.comparison.defence import (
-    GOOD_K,
-    PSIS_DRAWS,
-    PSIS_NUMBERS,
-    Defence,
-    Prediction,
-    Worth,
-)
+from bayescal.arrays import Array
+from bayescal.comparison.defence import Defence, Prediction, Worth
 from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.noise_evidence import noise_evidence
+from bayescal.comparison.psis import sampled_leave_one_out
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.stability import Beyond, beyond_of, orders_beyond, removals
-from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
@@ -92,42 +83,27 @@ def _predictions(
 ) -> dict[int, Prediction]:
     found = {}
     for k, posterior in posteriors.items():
-        psis = _psis(data, posterior)
+        psis = sampled_leave_one_out(posterior)
         if psis is not None:
             found[k] = psis
     if not found:
         return {}
-    best = max(found, key=lambda k: found[k][0].elpd)
+    best = max(found, key=lambda k: found[k].elpd)
     out = {}
-    for k, (loo, mcse, shape, limit) in found.items():
-        difference, se = paired_difference(loo, found[best][0])
-        worst = [int(i) for i in np.argsort(-shape, kind="stable") if shape[i] >= limit]
-        labels = tuple(data.labels[i] for i in worst)
-        out[k] = Prediction(loo, difference, se, None, loo.elpd, mcse, frozen(shape), limit, labels)
+    for k, psis in found.items():
+        difference, se = paired_difference(psis, found[best])
+        out[k] = Prediction(
+            LeaveOneOut(psis.pointwise, psis.elpd, psis.se, psis.p_eff, 0),
+            difference,
+            se,
+            None,
+            psis.elpd,
+            psis.mcse,
+            psis.pareto_k,
+            psis.k_limit,
+            tuple(data.labels[i] for i in psis.unreliable),
+        )
     return out
-
-
-def _psis(
-    data: AxisData, posterior: SampledPosterior
-) -> tuple[LeaveOneOut, float, Array, float] | None:
-    """Leave-one-out, its Monte Carlo error, Pareto k and their limit; None of too many data."""
-    room = PSIS_NUMBERS // len(data)
-    if room < PSIS_DRAWS:
-        return None
-    full = posterior.full.reshape(-1, posterior.full.shape[2])
-    full = full[:: -(-len(full) // room)]
-    log_likelihood = posterior.model.log_likelihood(full).T
-    elpd, mcse, shape = psis_loo(log_likelihood)
-    if not (np.isfinite(elpd).all() and np.isfinite(mcse).all()):
-        return None
-    n = len(elpd)
-    inside = logsumexp(log_likelihood, axis=1) - math.log(len(full))
-    se = math.sqrt(n) * float(elpd.std(ddof=1)) if n > 1 else math.nan
-    total = float(elpd.sum())
-    loo = LeaveOneOut(frozen(elpd), total, se, float(inside.sum()) - total, 0)
-    limit = min(1 - 1 / math.log10(len(full)), GOOD_K)
-    shape = np.where(np.isfinite(shape), shape, np.inf)
-    return loo, float(np.sqrt((mcse**2).sum())), shape, limit
 
 
 def _usable(data: AxisData, prediction: Mapping[int, Prediction]) -> list[int]:
