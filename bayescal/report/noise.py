@@ -7,7 +7,6 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from rich.console import RenderableType
 
 from bayescal.comparison.noise_evidence import NoiseEvidence, in_words
 from bayescal.comparison.results import AxisComparison, OrderResult
@@ -16,15 +15,17 @@ from bayescal.inference.posterior import Posterior
 from bayescal.inference.robust_linear import RobustLinearModel
 from bayescal.models.noise.outlier_mixture import OutlierMixture
 from bayescal.models.noise.student_t import RATE, SHAPE, StudentT
-from bayescal.report.tables import make_table
+from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
 from bayescal.rounding import significant
 
 # Beside a number whose evidence should not be trusted.
 MARK = "?"
+# A point is shown as bad above this probability, and so many of them.
+BAD, SHOWN = 0.5, 4
 
 
-def noise_words(axis: AxisComparison) -> str:
-    """Say what the noise is about its level, and its priors."""
+def noise_kind(axis: AxisComparison) -> str:
+    """Say what the noise is about its level, its priors, and where its level comes from."""
     noise = axis.noise_model
     unit = "units of y" if axis.data.axis == "y" else "px"
     if isinstance(noise, StudentT):
@@ -32,81 +33,108 @@ def noise_words(axis: AxisComparison) -> str:
         return f"Student-t, {nu}; its scale sigma {axis.noise_source}"
     if isinstance(noise, OutlierMixture):
         lower, upper = noise.width_bounds
-        offset = "N(0, width²)" if noise.infers_offset else "0"
+        offset = "of an offset ~ N(0, width²)" if noise.infers_offset else "without offset"
         return (
-            f"mixture; good points Gaussian, sigma {axis.noise_source}; bad ones wider by a width "
-            f"log-uniform\n         from {lower:.4g} to {upper:.4g} {unit}, offset {offset}; their "
-            f"fraction uniform from 0 to {noise.largest_fraction:g}\n        "
+            f"mixture of good points and bad ones, whose fraction is uniform from 0 to "
+            f"{noise.largest_fraction:g} and which are wider by a width, log-uniform from "
+            f"{lower:.4g} to {upper:.4g} {unit}, {offset}; sigma {axis.noise_source}"
         )
     return f"Gaussian, sigma {axis.noise_source}"
 
 
-def robust_orders_table(axis: AxisComparison) -> RenderableType:
+def robust_orders_table(axis: AxisComparison) -> Table:
     """One row per order under robust noise; the recommended one is marked."""
     level = axis.noise.parameter
-    columns: list[tuple[str, Callable[[OrderResult], str]]] = [
-        ("order", lambda r: str(r.order)),
-        ("p", lambda r: str(len(r.fit.coefficients))),
-        ("RSS px²", lambda r: f"{r.rss_px2:.1f}"),
+    columns: list[tuple[Column, Callable[[OrderResult], Cell]]] = [
+        (Column("p", "number of coefficients"), _size),
+        (Column("RSS px²", "residual sum of squares of least squares, for comparison"), _rss),
     ]
     if axis.noise.value is None:
-        columns.append((level, lambda r: _mean(r, level)))
-    columns += [(_head(n), _column(n)) for n in axis.noise_model.parameters]
+        columns.append((Column(level, "scale of the noise, posterior mean and sd"), _mean(level)))
+    columns += [(HEADS[name], _mean(name)) for name in axis.noise_model.parameters]
     if isinstance(axis.noise_model, OutlierMixture):
-        columns.append(("bad points", _bad_points))
+        columns.append((Column("bad points", "more probably bad than good"), _bad_points(axis)))
     columns += [
-        ("ln Z", lambda r: f"{r.log_evidence or 0.0:.2f}{MARK * bool(r.evidence_warnings)}"),
-        ("MC error", lambda r: significant(r.posterior.log_evidence_error or 0.0, 1)),
-        ("prob.", lambda r: percent(r.probability or 0.0) + MARK * bool(r.evidence_warnings)),
+        (
+            Column("ln Z", f"log evidence; {MARK}: not to be trusted"),
+            _evidence,
+        ),
+        (Column("MC error", "Monte Carlo standard error of ln Z, nat"), _error),
+        (Column("prob.", "posterior probability of the order", "probability"), _chance),
     ]
-    chosen = [r.order == axis.verdict.order for r in axis.orders]
-    rows = [
-        [">" if mark else "", *(value(r) for _, value in columns)]
-        for mark, r in zip(chosen, axis.orders, strict=True)
-    ]
-    bold = chosen.index(True) if any(chosen) else None
-    return make_table(["", *(head for head, _ in columns)], rows, bold=bold, spare=("RSS px²",))
+    return order_table(
+        [r.order for r in axis.orders],
+        [column for column, _ in columns],
+        [[cell(r) for _, cell in columns] for r in axis.orders],
+        axis.verdict.order,
+        spare=("RSS px²", "p"),
+    )
+
+
+HEADS = {
+    "nu": Column("nu", "degrees of freedom of Student-t noise, posterior mean and sd"),
+    "bad_fraction": Column("bad", "fraction of bad points, posterior mean and sd"),
+    "bad_width": Column("width px", "width of the bad points, posterior mean and sd"),
+    "bad_offset": Column("offset px", "offset of the bad points, posterior mean and sd"),
+}
 
 
 def robust_footnotes(axis: AxisComparison) -> list[str]:
     """Say what the table of `robust_orders_table` does not."""
     lines = [
-        "RSS is of least squares, for comparison. Chi-squared, F tests, AIC and BIC belong to "
-        "Gaussian noise.",
-        "ln Z by importance sampling, checked by bridge sampling; the other columns are posterior "
-        "means (± sd).",
+        "RSS is of least squares, for comparison: chi-squared, F tests, AIC and BIC belong to "
+        "Gaussian noise. ln Z by importance sampling, checked by bridge sampling; the other "
+        "columns are posterior means ± sd.",
     ]
     if isinstance(axis.noise_model, OutlierMixture):
-        lines.append("bad points: labels of those more probably bad than good.")
+        lines.append("Bad points: more probably bad than good, the worst first.")
     if any(r.evidence_warnings for r in axis.orders):
-        lines.append(f"{MARK} an evidence that should not be trusted; the caveats say why.")
+        lines.append(f"{MARK} marks an evidence that should not be trusted; the caveats say why.")
     return lines
 
 
-def _head(name: str) -> str:
-    return {"bad_fraction": "bad", "bad_width": "width px", "bad_offset": "offset px"}.get(
-        name, name
-    )
+def _size(result: OrderResult) -> Cell:
+    return Cell(str(len(result.fit.coefficients)), len(result.fit.coefficients))
 
 
-def _column(name: str) -> Callable[[OrderResult], str]:
-    return lambda r: _mean(r, name)
+def _rss(result: OrderResult) -> Cell:
+    return Cell(f"{result.rss_px2:.1f}", result.rss_px2)
 
 
-def _mean(result: OrderResult, name: str) -> str:
-    found = result.posterior[name]
-    return f"{significant(found.mean)} ± {significant(found.sd, 1)}"
+def _evidence(result: OrderResult) -> Cell:
+    mark = MARK * bool(result.evidence_warnings)
+    return number_cell(result.log_evidence, lambda v: f"{v:.2f}{mark}")
 
 
-def _bad_points(result: OrderResult) -> str:
-    """Labels of the bad points, few of them."""
-    found = bad_probabilities(result)
-    if found is None:
-        return ""
-    bad = np.flatnonzero(found > 0.5)
-    worst = bad[np.argsort(-found[bad], kind="stable")]
-    shown = ", ".join(str(i + 1) for i in worst[:4])
-    return shown + (f" +{len(worst) - 4}" if len(worst) > 4 else "") or "none"
+def _error(result: OrderResult) -> Cell:
+    return number_cell(result.posterior.log_evidence_error, lambda v: significant(v, 1))
+
+
+def _chance(result: OrderResult) -> Cell:
+    mark = MARK * bool(result.evidence_warnings)
+    return number_cell(result.probability, lambda v: percent(v) + mark)
+
+
+def _mean(name: str) -> Callable[[OrderResult], Cell]:
+    def cell(result: OrderResult) -> Cell:
+        found = result.posterior[name]
+        return Cell(f"{significant(found.mean)} ± {significant(found.sd, 1)}", found.mean)
+
+    return cell
+
+
+def _bad_points(axis: AxisComparison) -> Callable[[OrderResult], Cell]:
+    def cell(result: OrderResult) -> Cell:
+        found = bad_probabilities(result)
+        if found is None:
+            return Cell("")
+        bad = np.flatnonzero(found > BAD)
+        worst = bad[np.argsort(-found[bad], kind="stable")]
+        labels = [axis.data.labels[i][:8] for i in worst[:SHOWN]]
+        more = f" +{len(worst) - SHOWN}" if len(worst) > SHOWN else ""
+        return Cell((", ".join(labels) or "none") + more, len(worst))
+
+    return cell
 
 
 def bad_probabilities(result: OrderResult) -> np.ndarray[Any, np.dtype[np.float64]] | None:
@@ -189,20 +217,32 @@ def noises_from(rows: list[dict[str, Any]]) -> tuple[NoiseEvidence, ...]:
     )
 
 
-def noises_table(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> RenderableType:
+def noises_table(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> Table:
     """Log evidence of the recommended order under every noise model."""
     chosen = axis.chosen
     own = chosen.log_evidence or 0.0
-    rows = [[f"   {in_words(axis.noise_model.name)}, as compared", f"{own:.2f}", "", ""]]
+    rows = [
+        (
+            Cell(f"{in_words(axis.noise_model.name)}, as compared"),
+            Cell(f"{own:.2f}{MARK * bool(chosen.evidence_warnings)}", own),
+            Cell(""),
+            Cell(""),
+        )
+    ]
     for found in noises:
         mark = MARK * bool(found.warnings)
         rows.append(
-            [
-                f"   {in_words(found.name)}",
-                f"{found.total:.2f}{mark}",
-                significant(found.total_error, 1) if found.total_error else "",
-                f"{found.total - own:+.2f}{mark}",
-            ]
+            (
+                Cell(in_words(found.name)),
+                Cell(f"{found.total:.2f}{mark}", found.total),
+                number_cell(found.total_error or None, lambda v: significant(v, 1)),
+                Cell(f"{found.total - own:+.2f}{mark}", found.total - own),
+            )
         )
-    heads = [f"   noise, at order {chosen.order}", "ln Z", "MC error", "ln B"]
-    return make_table(heads, rows)
+    columns = (
+        Column(f"noise, at order {chosen.order}"),
+        Column("ln Z", "natural logarithm of the evidence"),
+        Column("MC error", "Monte Carlo standard error of ln Z, nat"),
+        Column("ln B", "against the noise compared with"),
+    )
+    return Table(columns, tuple(rows))
