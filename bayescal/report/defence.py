@@ -14,10 +14,20 @@ from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.sensitivity import TauSensitivity
 from bayescal.comparison.stability import Bootstrap, Removal, joint_probabilities
 from bayescal.comparison.verdict import percent
+from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
+from bayescal.report.noise import noises_document, noises_table
 from bayescal.report.render import indented, laid_out
 from bayescal.rounding import significant
 
+EXACT_ELPD = (
+    "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
+    "PSIS: the same from the draws, with its Monte Carlo error."
+)
+SAMPLED_ELPD = (
+    "elpd: leave-one-out from the draws (PSIS), one pixel value left out at a time, with its "
+    "Monte Carlo error beside PSIS; behind: the best order."
+)
 # Where the table over tau is evaluated: nodes of the grid, fractions of the image.
 SHOWN_TAU = (0.001, 0.00316228, 0.01, 0.0316228, 0.1, 0.316228, 1.0)
 
@@ -37,16 +47,15 @@ def defence_view(axis: AxisComparison) -> RenderableType:
         parts.append(laid_out(tau_table(axis, defence.tau)))
     if defence.resampled:
         parts.append(laid_out(stability_table(axis, defence)))
-    parts += indented(world_lines(axis))
+    if defence.noises:
+        parts.append(laid_out(noises_table(axis, defence.noises)))
+    parts += indented([*world_lines(axis), *left_out(axis)])
     return Group(*parts)
 
 
 def prediction_lines(axis: AxisComparison, defence: Defence) -> list[str]:
     """Say what to know of the table of prediction, a sentence or two each."""
-    lines = [
-        "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
-        "PSIS: the same from the draws, with its Monte Carlo error."
-    ]
+    lines = [EXACT_ELPD if axis.noise_model.name == GAUSSIAN.name else SAMPLED_ELPD]
     lines += _influential(axis, defence)
     if len(axis.data) < SMALL_SAMPLE:
         lines.append(
@@ -72,8 +81,17 @@ def _influential(axis: AxisComparison, defence: Defence) -> list[str]:
     more = f" and {len(found.influential) - 6} more" if len(found.influential) > 6 else ""
     return [
         f"Pareto k above {found.k_limit:.2g} at order {axis.chosen.order}: {names}{more}; "
-        "there PSIS is no check, because the draws can't tell what is predicted without the point."
+        "there PSIS can't be trusted: the draws can't tell what is predicted without the point."
     ]
+
+
+def left_out(axis: AxisComparison) -> list[str]:
+    """Say which answers don't exist under this noise."""
+    if axis.noise_model.name == GAUSSIAN.name:
+        return []
+    from bayescal.comparison.robust_defence import LEFT_OUT
+
+    return [LEFT_OUT]
 
 
 def world_lines(axis: AxisComparison) -> list[str]:
@@ -216,6 +234,7 @@ def defence_document(defence: Defence) -> dict[str, Any]:
             "probability": {str(k): p for k, p in beyond.probability.items()},
             "winner": beyond.winner,
         },
+        "noises": noises_document(defence.noises),
         "worth": [
             {"order": w.order, "largest_px": w.largest, "sd_px": w.sd, "at": w.at}
             for w in defence.worth

@@ -8,12 +8,17 @@ from functools import partial
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
+from bayescal.inference.posterior import Posterior
+from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
+from bayescal.report.noise import robust_orders_table
 from bayescal.rounding import rounded, significant
 
 
 def orders_table(axis: AxisComparison) -> Table:
     """One row per order; the recommended one is marked."""
+    if axis.noise_model.name != GAUSSIAN.name:
+        return robust_orders_table(axis)
     known = axis.reference.source == "known"
     tested = (
         _column("p chi2", "p χ²", P_CHI2, lambda r: r.goodness.p_value, _p)
@@ -149,7 +154,8 @@ def exact_table(axis: AxisComparison, result: OrderResult) -> Table:
 def facts(axis: AxisComparison, result: OrderResult) -> tuple[tuple[str, str], ...]:
     """Everything that is one number about one order: its name and itself."""
     good, found = result.goodness, result.criteria
-    exact = result.posterior.exact
+    posterior = result.posterior
+    kind = "quadrature" if isinstance(posterior, Posterior) else "Monte Carlo"
     return (
         ("order", f"{result.order} ({result.order + 1} coefficients, K = {found.n_parameters})"),
         ("residual sum of squares", f"{result.rss_px2:.6g} px²"),
@@ -169,8 +175,8 @@ def facts(axis: AxisComparison, result: OrderResult) -> tuple[tuple[str, str], .
         ),
         (
             "ln evidence",
-            _maybe(exact.log_evidence, lambda v: f"{v:.4f}")
-            + _maybe(exact.log_evidence_error, lambda v: f" (quadrature error below {v:.0e})"),
+            _maybe(posterior.log_evidence, lambda v: f"{v:.4f}")
+            + _maybe(posterior.log_evidence_error, lambda v: f" ({kind} error {v:.0e})"),
         ),
     )
 

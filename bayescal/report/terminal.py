@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
-from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
+from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.models.priors import TAU_BOUNDS
+from bayescal.report.noise import noise_kind, robust_footnotes
 from bayescal.report.render import WIDTH as WIDTH
 from bayescal.report.render import indented, laid_out, listed
 from bayescal.report.render import render as render
@@ -39,13 +43,14 @@ def _defended(axis: AxisComparison) -> list[RenderableType]:
     from bayescal.report.adequacy import adequacy_view
     from bayescal.report.defence import defence_view
 
-    return [defence_view(axis), adequacy_view(axis.adequacy, axis.chosen.order)]
+    tests = [adequacy_view(axis.adequacy, axis.chosen.order)] if axis.adequacy else []
+    return [defence_view(axis), *tests]
 
 
 def _across(comparison: Comparison) -> list[RenderableType]:
     """Joint probabilities of both axes, or how to ask for them and more."""
     if any(axis.defence is None for axis in comparison.axes.values()):
-        more = "leave-one-out, prior sensitivity, stability, adequacy and orders beyond"
+        more = "leave-one-out, prior sensitivity, stability, adequacy, other noise, orders beyond"
         return [Text(f"Would it persuade a referee? --defend adds {more}.\n")]
     if len(comparison.axes) != 2:
         return []
@@ -104,7 +109,7 @@ def _assumed(axis: AxisComparison) -> Text:
 
 def noise_words(axis: AxisComparison) -> str:
     """Name the noise model and where its level comes from."""
-    words = f"Gaussian, sigma {axis.noise_source}"
+    words = noise_kind(axis)
     if axis.noise.bounds is not None:
         lower, upper = axis.noise.bounds
         unit = "" if axis.noise.source == "scale" else " px"
@@ -133,6 +138,8 @@ def prior_words(axis: AxisComparison) -> str:
 
 def footnotes(axis: AxisComparison) -> list[str]:
     """Say what to know of the table of orders, a sentence or two each."""
+    if axis.noise_model.name != GAUSSIAN.name:
+        return [*robust_footnotes(axis), *_scatter_line(axis)]
     reference, lines = axis.reference, []
     if axis.data.sd is not None and reference.source == "known":
         lines.append("chi2 uses the points' own deviations; p chi2 is its upper tail.")
@@ -166,13 +173,17 @@ def footnotes(axis: AxisComparison) -> list[str]:
     ]
     if best:
         lines.append(f"Smallest {', '.join(best)}; dAIC, dAICc, dBIC are above these.")
+    return lines + _scatter_line(axis)
+
+
+def _scatter_line(axis: AxisComparison) -> list[str]:
     spread, dof = axis.scatter
-    if spread is not None:
-        lines.append(
-            f"Points that share {axis.data.regressor} scatter by {spread:.2f} px "
-            f"({dof} dof): noise plus what {axis.data.regressor} does not explain."
-        )
-    return lines
+    if spread is None:
+        return []
+    return [
+        f"Points that share {axis.data.regressor} scatter by {spread:.2f} px "
+        f"({dof} dof): noise plus what {axis.data.regressor} does not explain."
+    ]
 
 
 def verdict_view(axis: AxisComparison) -> RenderableType:
@@ -204,7 +215,10 @@ def sampling_line(comparison: Comparison) -> RenderableType:
     return Group(text, Text(NOT_SOUND, style="bold"))
 
 
-NOT_SOUND = "NOT SOUND: some draws did not converge or disagree with the closed form; see above."
+NOT_SOUND = (
+    "NOT SOUND: some draws did not converge or disagree with the closed form, or an evidence "
+    "should not be trusted; see above."
+)
 
 
 def sampling_words(comparison: Comparison) -> str:
@@ -217,7 +231,18 @@ def sampling_words(comparison: Comparison) -> str:
         f"emcee, {len(results)} model{'s' * (len(results) > 1)}, seed {comparison.seed}: "
         f"acceptance at least {min(c.acceptance for c in chains):.2f}, autocorrelation time at "
         f"most {max(c.autocorrelation_time for c in chains):.2f} steps, ESS at least {ess:.0f}, "
-        f"R-hat at most {max(p.rhat for p in parameters):.3f}; means and sds within "
-        f"{max(p.deviation or 0.0 for p in parameters):.1f} Monte Carlo errors of the closed form "
-        "(limit 5)."
+        f"R-hat at most {max(p.rhat for p in parameters):.3f}; {_checked(results)}."
     )
+
+
+def _checked(results: Sequence[OrderResult]) -> str:
+    """Say what draws and evidences were checked against."""
+    deviations = [p.deviation for r in results for p in r.posterior.parameters]
+    compared = [d for d in deviations if d is not None]
+    if compared:
+        return (
+            f"means and sds within {max(compared):.1f} Monte Carlo errors of the closed form "
+            "(limit 5)"
+        )
+    errors = [r.posterior.log_evidence_error or 0.0 for r in results]
+    return f"evidences to within {significant(max(errors), 1)} nat (limit 0.1)"
