@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,12 +42,12 @@ class PageSubject:
         """All axes."""
         return tuple(self.comparison.axes.values())
 
-    def parts(self, blocks: dict[str, tuple[Block, ...]]) -> tuple[Block, ...]:
+    def parts(self, blocks: Mapping[str, tuple[Block, ...]]) -> tuple[Block, ...]:
         """Put each axis's blocks under its name; those without blocks are left out.
 
         Parameters
         ----------
-        blocks : dict of str to tuple of Block
+        blocks : mapping of str to tuple of Block
             By the axis's name.
         """
         found = {name: part for name, part in blocks.items() if part}
