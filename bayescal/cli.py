@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from bayescal import __version__
-from bayescal.commands import compare, fit, plot, reproduce, simulate
+from bayescal.commands import compare, fit, plot, report, reproduce, simulate
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.errors import BayescalError
 
@@ -21,6 +21,7 @@ COMMANDS = {
     "compare": compare,
     "fit": fit,
     "plot": plot,
+    "report": report,
     "reproduce": reproduce,
     "simulate": simulate,
 }

@@ -20,7 +20,7 @@ from bayescal.comparison.thesis_results import (
 )
 from bayescal.errors import InputError
 from bayescal.inference.design_fit import DesignFit, fit_design
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.separable import axis_data
 from bayescal.models.thesis import VARIANTS, ThesisModel
 from bayescal.points.correspondences import Correspondences

@@ -17,7 +17,7 @@ from bayescal.arrays import Array, IntArray
 from bayescal.inference.evidence import Projection, Reduced, log_joint, tau_rule
 from bayescal.inference.quadrature import FINE, Accuracy
 from bayescal.models.basis import Domain, legendre_design
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
 from bayescal.models.separable import axis_data
 

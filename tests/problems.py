@@ -8,7 +8,7 @@ import bayescal as bc
 from bayescal.inference.least_squares import factorise
 from bayescal.inference.model import LinearModel
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import CoefficientPrior, PriorRule
 from bayescal.models.separable import axis_data
 from bayescal.points.setup import StatedPrior

@@ -59,10 +59,32 @@ def add_model(parser: argparse.ArgumentParser) -> None:
         metavar="T",
         help="fix the strength of the non-linearity, a fraction of the image (inferred)",
     )
+    add_noise(parser)
     run = parser.add_argument_group("run")
     run.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
     run.add_argument(
         "--ess", type=int, default=4000, metavar="N", help="effective samples wanted (4000)"
+    )
+
+
+def add_noise(parser: argparse.ArgumentParser, *, choose: bool = True) -> None:
+    """Add the noise model (where one is chosen) and the options of each."""
+    noise = parser.add_argument_group("noise")
+    if choose:
+        noise.add_argument(
+            "--noise",
+            choices=("gaussian", "student-t", "outlier-mixture"),
+            default="gaussian",
+            help="shape of the noise: gaussian; student-t has heavy tails; outlier-mixture has "
+            "good and bad points (gaussian; the others take longer)",
+        )
+    noise.add_argument(
+        "--nu", type=float, metavar="N", help="fix the degrees of freedom of student-t (inferred)"
+    )
+    noise.add_argument(
+        "--bad-offset",
+        action="store_true",
+        help="let the bad points of outlier-mixture be off to one side (spread about the good)",
     )
 
 
@@ -149,7 +171,8 @@ def is_run(options: argparse.Namespace) -> bool:
 
 def settings(options: argparse.Namespace) -> dict[str, Any]:
     """Collect the keyword arguments of an analysis."""
-    return {name: getattr(options, name) for name in ("sigma", "prior", "tau", "seed", "ess")}
+    names = ("sigma", "prior", "tau", "seed", "ess", "noise", "nu", "bad_offset")
+    return {name: getattr(options, name) for name in names}
 
 
 class Progress:

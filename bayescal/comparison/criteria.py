@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from bayescal.inference.least_squares import LeastSquaresFit
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 
 LOG_2PI = math.log(2 * math.pi)
 
@@ -53,7 +53,7 @@ def criteria(fit: LeastSquaresFit, noise: NoiseLevel, n: int, log_sd: float = 0.
     -------
     Criteria
     """
-    return criteria_from(fit.rss, fit.order + 1, noise, n, exact=fit.exact, log_sd=log_sd)
+    return criteria_from(fit.rss, len(fit.coefficients), noise, n, exact=fit.exact, log_sd=log_sd)
 
 
 def criteria_from(

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,6 @@ from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.evidence import LOG_2PI, log_evidences
 from bayescal.inference.quadrature import FINE
 from bayescal.inference.reweighting import Rows
-from bayescal.models.basis import legendre_design
 from bayescal.models.linear import AxisData
 
 # A point is refitted where the posterior without it peaks at a node at which the density
@@ -36,6 +36,15 @@ EDGE = 22.0
 DETERMINED = 1e-7
 # Numbers held at once: points times nodes.
 CHUNK = 4_000_000
+
+
+class Pointwise(Protocol):
+    """What a difference of two leave-one-outs needs, however each was had."""
+
+    @property
+    def pointwise(self) -> Array:
+        """Terms of elpd, ``(n_units,)``."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +129,7 @@ def _node_densities(
 ) -> tuple[Array, Array, Array]:
     """Log densities of points without and with themselves, ``(n_part, n_nodes)``."""
     model, conditional = exact.model, exact.conditional
-    design = legendre_design(data.domain.scale(data.x[part]), model.order)
+    design = data.design(model.order)[part]
     t, sd = data.t[part], data.sd[part] if data.sd is not None else np.ones(design.shape[0])
     design, offset = design / sd[:, None], (t - design @ model.prior.mean) / sd
     variance = exact.sigma**2
@@ -154,7 +163,7 @@ def _refitted(data: AxisData, exact: ExactPosterior, points: IntArray) -> Array:
     return log_evidences(sets.reduced(model.order), model.noise, model.prior, FINE)
 
 
-def paired_difference(one: LeaveOneOut, other: LeaveOneOut) -> tuple[float, float]:
+def paired_difference(one: Pointwise, other: Pointwise) -> tuple[float, float]:
     """Difference of elpd, `one` less `other`, and its paired standard error."""
     difference = one.pointwise - other.pointwise
     n = len(difference)

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Any
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
 from bayescal.comparison.verdict import AxisVerdict, percent
+from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.posterior import Posterior
 from bayescal.markup import bullets, table
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.gaussian import GAUSSIAN
+from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import plain
@@ -21,6 +24,7 @@ if TYPE_CHECKING:  # a plain comparison does not pay for the defence
     from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.defence import Defence
     from bayescal.comparison.world_units import WorldUnit
+    from bayescal.inference.sampled_posterior import SampledPosterior
     from bayescal.settings import Settings
 
 
@@ -32,12 +36,14 @@ class OrderResult:
     ----------
     order : int
     fit : LeastSquaresFit
-        Maximum likelihood.
+        Least squares: of maximum likelihood where the noise is Gaussian.
     rss_px2 : float
         Residual sum of squares, px^2, unweighted.
     goodness : GoodnessOfFit
+        Without numbers where the noise is not Gaussian, as are the criteria.
     criteria : Criteria
-    posterior : Posterior
+    posterior : Posterior or SampledPosterior
+        The latter where the noise leaves no closed form.
     probability : float or None
         Posterior probability of the order among those compared; None under a
         flat prior.
@@ -48,18 +54,38 @@ class OrderResult:
     rss_px2: float
     goodness: GoodnessOfFit
     criteria: Criteria
-    posterior: Posterior
+    posterior: Posterior | SampledPosterior
     probability: float | None
 
     @property
     def log_evidence(self) -> float | None:
         """Natural log of the evidence; None under a flat prior."""
-        return self.posterior.exact.log_evidence
+        return self.posterior.log_evidence
+
+    @property
+    def exact(self) -> ExactPosterior | None:
+        """The closed form; None where the noise leaves none."""
+        return self.posterior.exact if isinstance(self.posterior, Posterior) else None
+
+    @property
+    def evidence_warnings(self) -> tuple[str, ...]:
+        """Why a sampled evidence should not be trusted; empty where it can be."""
+        posterior = self.posterior
+        return () if isinstance(posterior, Posterior) else posterior.estimate.warnings
 
     @property
     def sound(self) -> bool:
-        """Whether the draws converged and agree with the closed form."""
-        return self.posterior.converged and self.posterior.agrees_with_exact
+        """Whether the draws converged and agree with the closed form.
+
+        Without a closed form: whether they converged and the evidence can be trusted.
+        """
+        posterior = self.posterior
+        checked = (
+            posterior.agrees_with_exact
+            if isinstance(posterior, Posterior)
+            else posterior.estimate.certain
+        )
+        return posterior.converged and checked
 
     def __repr__(self) -> str:
         chance = "" if self.probability is None else f", probability {self.probability:.3f}"
@@ -92,6 +118,8 @@ class AxisComparison:
     world_units : tuple of WorldUnit
         What one unit of error in the world is worth, where a defence was asked for and
         the world coordinates' errors are not stated.
+    noise_model : NoiseModel
+        Shape of the noise about its level.
     """
 
     data: AxisData
@@ -105,6 +133,7 @@ class AxisComparison:
     defence: Defence | None = None
     adequacy: tuple[AdequacyTest, ...] = ()
     world_units: tuple[WorldUnit, ...] = ()
+    noise_model: NoiseModel = GAUSSIAN
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:

@@ -46,12 +46,25 @@ def diagnose(draws: Array) -> Diagnostics:
         return float(value)
 
     return Diagnostics(
-        float(array_stats.rhat(draws, chain_axis=0, draw_axis=1)),
+        rhat(draws),
         ess("bulk"),
         ess("tail", prob=0.95),
         ess("mean"),
         ess("sd"),
     )
+
+
+def rhat(draws: Array) -> float:
+    """Rank-normalised split R-hat of one parameter.
+
+    Parameters
+    ----------
+    draws : Array
+        ``(n_chains, n_draws)``.
+    """
+    from arviz_stats.base import array_stats
+
+    return float(array_stats.rhat(draws, chain_axis=0, draw_axis=1))
 
 
 def autocovariance(draws: Array) -> Array:
@@ -100,6 +113,29 @@ def psis_loo(log_likelihood: Array) -> tuple[Array, Array, Array]:
     terms = np.exp(log_weights + log_likelihood - elpd[:, None]) - np.exp(log_weights)
     mcse = np.sqrt((terms**2).sum(axis=-1))
     return elpd, mcse, np.asarray(pareto_k)
+
+
+def pareto_shape(log_weights: Array) -> float:
+    """Pareto k of the upper tail of importance weights (Vehtari et al. 2024).
+
+    Parameters
+    ----------
+    log_weights : Array
+        ``(n_draws,)``; -inf for draws outside the support.
+
+    Returns
+    -------
+    float
+        inf where the tail has no shape.
+    """
+    from arviz_stats.base import array_stats
+
+    # psislw smooths 1 / likelihood: the weights it is given are negated logs.
+    finite = np.maximum(log_weights, log_weights.max() - 700.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        _, shape = array_stats.psislw(-finite, axis=-1)
+    k = float(np.asarray(shape))
+    return k if np.isfinite(k) else np.inf
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,7 @@ from scipy.special import logsumexp
 
 from bayescal.arrays import Array
 from bayescal.inference.quadrature import COARSE, FINE, POINT, Accuracy, Rule, follow, interval
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import CoefficientPrior
 
 LOG_2PI = float(np.log(2 * np.pi))

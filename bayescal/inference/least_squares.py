@@ -10,7 +10,7 @@ from scipy.linalg import solve_triangular
 from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
 from bayescal.inference.evidence import Reduced
-from bayescal.models.basis import MonomialMap, legendre_design
+from bayescal.models.basis import PolynomialMap
 from bayescal.models.linear import AxisData
 
 # Condition number of the columns, scaled to unit length, beyond which they are dependent.
@@ -39,7 +39,7 @@ class Factorisation:
         Largest weighted pixel in size: the scale of rounding.
     log_sd : float
         Sum of ln sd over the points with known deviations; 0 without them.
-    monomials : MonomialMap
+    monomials : PolynomialMap
         From Legendre amplitudes to monomial coefficients.
     """
 
@@ -49,16 +49,16 @@ class Factorisation:
     n: int
     largest: float
     log_sd: float
-    monomials: MonomialMap
+    monomials: PolynomialMap
 
     def rss(self, order: int) -> float:
         """Weighted residual sum of squares of an order."""
-        dropped = np.append(self.qt[order + 1 :], self.tail)
+        dropped = np.append(self.qt[self.monomials.columns(order) :], self.tail)
         return float(dropped @ dropped)
 
     def reduced(self, order: int) -> Reduced:
         """R, Q't and residual sum of squares of an order: leading blocks."""
-        size = order + 1
+        size = self.monomials.columns(order)
         return Reduced(
             self.r[:size, :size],
             self.qt[:size],
@@ -88,15 +88,14 @@ def factorise(data: AxisData, order: int) -> Factorisation:
         Where the points can't determine that order.
     """
     data.check(order)
-    design = legendre_design(data.domain.scale(data.x), order)
-    augmented = np.column_stack([design, data.t])
+    augmented = np.column_stack([data.design(order), data.t])
     log_sd = 0.0
     if data.sd is not None:
         augmented /= data.sd[:, None]
         log_sd = float(np.log(data.sd).sum())
     triangle = np.linalg.qr(augmented, mode="r")
-    size = order + 1
-    _check_determined(data, triangle[:size, :size])
+    size = data.columns(order)
+    _check_determined(data, triangle[:size, :size], order)
     tail = float(abs(triangle[size, size])) if len(data) > size else 0.0
     return Factorisation(
         frozen(triangle[:size, :size]),
@@ -105,23 +104,27 @@ def factorise(data: AxisData, order: int) -> Factorisation:
         len(data),
         float(np.abs(augmented[:, -1]).max()),
         log_sd,
-        MonomialMap(data.domain, order),
+        data.monomials(order),
     )
 
 
-def _check_determined(data: AxisData, triangle: Array) -> None:
+def _check_determined(data: AxisData, triangle: Array, order: int) -> None:
     """Refuse columns that depend on one another to rounding, as of one regressor far away."""
     scaled = triangle / np.linalg.norm(triangle, axis=0)
     if np.linalg.cond(scaled) < LARGEST_CONDITION:
         return
-    order = len(triangle) - 1
-    while order > 1 and np.linalg.cond(scaled[:order, :order]) >= LARGEST_CONDITION:
-        order -= 1
+    works = order - 1
+    while works and _condition(scaled, data.columns(works)) >= LARGEST_CONDITION:
+        works -= 1
     raise InputError(
         f"{data.source}: axis {data.axis}: the values of {data.regressor} leave order "
-        f"{len(triangle) - 1} undetermined to rounding (does one lie far from all others?); the "
-        f"highest order that works is {order - 1}"
+        f"{order} undetermined to rounding (does one lie far from all others?); the "
+        f"highest order that works is {works}"
     )
+
+
+def _condition(triangle: Array, size: int) -> float:
+    return float(np.linalg.cond(triangle[:size, :size]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,12 +135,12 @@ class LeastSquaresFit:
     ----------
     order : int
     coefficients : Array
-        Monomial coefficients, lowest power first, ``(order + 1,)``, px.
+        Monomial coefficients, lowest powers first, ``(p,)``, px.
     standard_errors : Array or None
         Their standard errors at `sigma_hat` (or at the known deviations),
-        ``(order + 1,)``, px; None where no degree of freedom is left.
+        ``(p,)``, px; None where no degree of freedom is left.
     amplitudes : Array
-        Legendre amplitudes b_j, ``(order + 1,)``, px.
+        Legendre amplitudes b_j, ``(p,)``, px.
     rss : float
         Residual sum of squares, px^2 (with known deviations: dimensionless).
     dof : int
@@ -177,12 +180,12 @@ def solve(factors: Factorisation, order: int, sigma: float | None = None) -> Lea
     data = factors.reduced(order)
     amplitudes = solve_triangular(data.r, data.qt)
     rss = factors.rss(order)
-    dof = factors.n - order - 1
+    dof = factors.n - len(amplitudes)
     sigma_hat = float(np.sqrt(rss / dof)) if dof > 0 else None
     scale = sigma if sigma is not None else sigma_hat
     errors = None
     if scale is not None:
-        inverse = solve_triangular(data.r, np.eye(order + 1))
+        inverse = solve_triangular(data.r, np.eye(len(amplitudes)))
         errors = frozen(scale * np.linalg.norm(factors.monomials.apply(inverse), axis=1))
     return LeastSquaresFit(
         order,

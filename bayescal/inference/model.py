@@ -7,7 +7,7 @@ from functools import cached_property
 
 from bayescal.inference.evidence import Reduced
 from bayescal.inference.least_squares import Factorisation
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import CoefficientPrior
 
 
@@ -39,7 +39,7 @@ class LinearModel:
     @property
     def size(self) -> int:
         """Number of coefficients p."""
-        return self.order + 1
+        return self.factors.monomials.columns(self.order)
 
     @property
     def infers_sigma(self) -> bool:
@@ -59,7 +59,8 @@ class LinearModel:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the reported parameters: coefficients, then sigma, then tau."""
-        coefficients = tuple(f"{self.symbol}_{j}" for j in range(self.size))
+        suffixes = self.factors.monomials.suffixes[: self.size]
+        coefficients = tuple(f"{self.symbol}_{powers}" for powers in suffixes)
         return (
             coefficients + (self.noise.parameter,) * self.infers_sigma + ("tau",) * self.infers_tau
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,11 +39,11 @@ class ParameterSummary:
         Monte Carlo standard error of the mean.
     ess_bulk, ess_tail, rhat : float
         Rank-normalised diagnostics (Vehtari et al. 2021).
-    exact_mean, exact_sd : float
-        Of the closed form.
-    deviation : float
-        The larger of the distances of mean and sd from the closed form, in Monte
-        Carlo standard errors.
+    exact_mean, exact_sd : float or None
+        Of the closed form, where there is one.
+    deviation : float or None
+        The larger of the distances of mean and sd from it, in Monte Carlo standard
+        errors.
     """
 
     name: str
@@ -55,9 +55,9 @@ class ParameterSummary:
     ess_bulk: float
     ess_tail: float
     rhat: float
-    exact_mean: float
-    exact_sd: float
-    deviation: float
+    exact_mean: float | None = None
+    exact_sd: float | None = None
+    deviation: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,17 @@ class Posterior:
     @property
     def agrees_with_exact(self) -> bool:
         """Whether every mean and sd is within 5 Monte Carlo errors of the closed form."""
-        return all(p.deviation < AGREEMENT for p in self.parameters)
+        return all(p.deviation is None or p.deviation < AGREEMENT for p in self.parameters)
+
+    @property
+    def log_evidence(self) -> float | None:
+        """Natural log of the evidence; None under a flat prior."""
+        return self.exact.log_evidence
+
+    @property
+    def log_evidence_error(self) -> float | None:
+        """Bound on its error, nat; None under a flat prior."""
+        return self.exact.log_evidence_error
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -177,33 +187,42 @@ def posterior_of(exact: ExactPosterior, chain: Chain) -> Posterior:
 
 
 def _summaries(exact: ExactPosterior, chain: Chain) -> tuple[ParameterSummary, ...]:
+    exact_means, exact_sds = exact.summary
+    out = []
+    for j, summary in enumerate(summarise(exact.model.names, chain)):
+        found = chain.diagnostics[j]
+        mean, sd = float(exact_means[j]), float(exact_sds[j])
+        # Errors from the exact moments: a heavy tail the draws missed can't hide itself.
+        error_mean = sd / np.sqrt(found.ess_mean)
+        error_sd = sd * np.sqrt((exact.kurtosis[j] - 1) / 4 / found.ess_sd)
+        deviation = max(abs(summary.mean - mean) / error_mean, abs(summary.sd - sd) / error_sd)
+        out.append(replace(summary, exact_mean=mean, exact_sd=sd, deviation=float(deviation)))
+    return tuple(out)
+
+
+def summarise(names: tuple[str, ...], chain: Chain) -> tuple[ParameterSummary, ...]:
+    """Summarise the draws of every reported parameter.
+
+    Parameters
+    ----------
+    names : tuple of str
+    chain : Chain
+    """
     flat = chain.draws.reshape(-1, chain.draws.shape[2])
     tail = (1 - INTERVAL_PROBABILITY) / 2
     lower, upper = np.quantile(flat, [tail, 1 - tail], axis=0)
     means, sds = flat.mean(axis=0), flat.std(axis=0, ddof=1)
-    exact_means, exact_sds = exact.summary
-    out = []
-    for j, (name, found) in enumerate(zip(exact.model.names, chain.diagnostics, strict=True)):
-        # Errors from the exact moments: a heavy tail the draws missed can't hide itself.
-        error_mean = exact_sds[j] / np.sqrt(found.ess_mean)
-        error_sd = exact_sds[j] * np.sqrt((exact.kurtosis[j] - 1) / 4 / found.ess_sd)
-        deviation = max(
-            abs(means[j] - exact_means[j]) / error_mean, abs(sds[j] - exact_sds[j]) / error_sd
+    return tuple(
+        ParameterSummary(
+            name,
+            float(means[j]),
+            float(sds[j]),
+            (float(lower[j]), float(upper[j])),
+            INTERVAL_PROBABILITY,
+            float(sds[j] / np.sqrt(found.ess_mean)),
+            found.ess_bulk,
+            found.ess_tail,
+            found.rhat,
         )
-        out.append(
-            ParameterSummary(
-                name,
-                float(means[j]),
-                float(sds[j]),
-                (float(lower[j]), float(upper[j])),
-                INTERVAL_PROBABILITY,
-                float(sds[j] / np.sqrt(found.ess_mean)),
-                found.ess_bulk,
-                found.ess_tail,
-                found.rhat,
-                float(exact_means[j]),
-                float(exact_sds[j]),
-                float(deviation),
-            )
-        )
-    return tuple(out)
+        for j, (name, found) in enumerate(zip(names, chain.diagnostics, strict=True))
+    )

@@ -9,7 +9,7 @@ import numpy as np
 from bayescal.arrays import Array, IntArray
 from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.evidence import LOG_2PI
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import CoefficientPrior
 
 # Share of the proposal that is uniform over the bounds of ln sigma and ln tau, so

@@ -14,7 +14,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.inference.evidence import Reduced
-from bayescal.models.basis import legendre_design
+from bayescal.models.basis import PolynomialMap
 from bayescal.models.linear import AxisData
 
 # Numbers up to which rows are factorised themselves, and numbers held at once.
@@ -34,23 +34,25 @@ class Rows:
         ``(m, n_coefficients + 1)``.
     log_sd : Array
         ln of the known deviations, ``(n_points,)``; 0 without them.
+    monomials : PolynomialMap
+        Knows how many columns belong to an order.
     """
 
     q: Array
     r: Array
     log_sd: Array
+    monomials: PolynomialMap
 
     @classmethod
     def of(cls, data: AxisData, order: int) -> Rows:
         """Factorise an axis at the highest order wanted."""
-        design = legendre_design(data.domain.scale(data.x), order)
-        augmented = np.column_stack([design, data.t])
+        augmented = np.column_stack([data.design(order), data.t])
         log_sd = np.zeros(len(data))
         if data.sd is not None:
             augmented /= data.sd[:, None]
             log_sd = np.log(data.sd)
         q, r = np.linalg.qr(augmented)
-        return cls(q, r, log_sd)
+        return cls(q, r, log_sd, data.monomials(order))
 
     def without(self, members: Array) -> DataSets:
         """Leave out points: one data set for each row of `members`.
@@ -79,7 +81,8 @@ class Rows:
             square = np.zeros((len(root), columns, columns))
             square[:, : root.shape[1]] = root @ self.r
             triangles.append(np.linalg.qr(square, mode="r"))
-        return DataSets(np.concatenate(triangles), counts.sum(axis=1), counts @ self.log_sd)
+        n, log_sd = counts.sum(axis=1), counts @ self.log_sd
+        return DataSets(np.concatenate(triangles), n, log_sd, self.monomials)
 
     def _roots_of_rows(self, counts: Array) -> Array:
         """Triangles of the counted rows: exact for degenerate sets too."""
@@ -104,15 +107,18 @@ class DataSets:
         ``(n_sets, n_coefficients + 1, n_coefficients + 1)``.
     n, log_sd : Array
         Number of points and sum of ln sd, ``(n_sets,)``.
+    monomials : PolynomialMap
+        Knows how many columns belong to an order.
     """
 
     triangles: Array
     n: Array
     log_sd: Array
+    monomials: PolynomialMap
 
     def reduced(self, order: int) -> Reduced:
         """Take the leading blocks that belong to an order up to the factorised one."""
-        size = order + 1
+        size = self.monomials.columns(order)
         dropped = self.triangles[:, size:, -1]
         return Reduced(
             self.triangles[:, :size, :size],

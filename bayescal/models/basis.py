@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -69,6 +70,32 @@ def legendre_design(s: Array, order: int) -> Array:
     return np.asarray(np.polynomial.legendre.legvander(s, order), dtype=np.float64)
 
 
+class PolynomialMap(Protocol):
+    """From the amplitudes of a nested polynomial basis to coefficients of monomials."""
+
+    @property
+    def order(self) -> int:
+        """The highest order mapped."""
+        ...
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """What follows a coefficient's symbol: its powers, column by column."""
+        ...
+
+    def columns(self, order: int) -> int:
+        """Count the coefficients of an order, which lead those of any higher one."""
+        ...
+
+    def apply(self, amplitudes: Array) -> Array:
+        """Coefficients of one set of amplitudes, or of sets in columns, px."""
+        ...
+
+    def lead(self, order: int) -> Array:
+        """Matrix of an order up to the highest, ``(columns, columns)``."""
+        ...
+
+
 @dataclass(frozen=True)
 class MonomialMap:
     """The linear map from Legendre amplitudes on a domain to monomial coefficients.
@@ -114,18 +141,40 @@ class MonomialMap:
         Array
             alpha_0 to alpha_k, of the same shape, px.
         """
-        size = len(amplitudes)
-        exact = [row[:size] for row in self.exact[:size]]
-        columns = np.reshape(amplitudes, (size, -1)).T
-        mapped = [
-            [float(sum(m * Fraction(b) for m, b in zip(row, column, strict=True))) for row in exact]
-            for column in columns.tolist()
-        ]
-        return np.array(mapped).T.reshape(amplitudes.shape)
+        return apply_exactly(self.exact, amplitudes)
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """Powers of the regressor: ``("0", "1", ...)``."""
+        return tuple(str(j) for j in range(self.order + 1))
+
+    def columns(self, order: int) -> int:
+        """Count the coefficients of an order."""
+        return order + 1
 
     def lead(self, order: int) -> Array:
         """Matrix of a lower order: the leading block, ``(order + 1, order + 1)``."""
         return self.matrix[: order + 1, : order + 1]
+
+
+def apply_exactly(exact: list[list[Fraction]], amplitudes: Array) -> Array:
+    """Multiply by the leading block of an exact matrix, rounding once at the end.
+
+    Parameters
+    ----------
+    exact : list of list of Fraction
+        At least as large as the amplitudes are many.
+    amplitudes : Array
+        ``(p,)``, or ``(p, m)`` column by column.
+    """
+    size = len(amplitudes)
+    rows = [row[:size] for row in exact[:size]]
+    columns = np.reshape(amplitudes, (size, -1)).T
+    mapped = [
+        [float(sum(m * Fraction(b) for m, b in zip(row, column, strict=True))) for row in rows]
+        for column in columns.tolist()
+    ]
+    return np.array(mapped).T.reshape(amplitudes.shape)
 
 
 def _product(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:

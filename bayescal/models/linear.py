@@ -9,7 +9,14 @@ import numpy as np
 
 from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
-from bayescal.models.basis import Domain, distinct_values
+from bayescal.models.basis import (
+    Domain,
+    MonomialMap,
+    PolynomialMap,
+    distinct_values,
+    legendre_design,
+)
+from bayescal.models.plane import PlaneMap, plane_columns, plane_design, powers
 
 # Powers of ten that a product of two such numbers must leave room for.
 DECADES = 60
@@ -44,6 +51,11 @@ class AxisData:
     x_sd : Array or None
         Standard deviations of the regressor, ``(n_points,)``, where the world
         coordinates have errors.
+    other : Array or None
+        The other regressor, ``(n_points,)``, where the polynomial is one of both.
+    frame : tuple of Domain or None
+        Domains of the basis where they are not those of these points: the basis stays
+        when the camera moves.
     """
 
     axis: str
@@ -57,14 +69,45 @@ class AxisData:
     size_known: bool
     source: str
     x_sd: Array | None = None
+    other: Array | None = None
+    frame: tuple[Domain, ...] | None = None
 
     def __len__(self) -> int:
         return len(self.x)
 
     @property
     def domain(self) -> Domain:
-        """Interval that the regressor spans."""
-        return Domain.of(self.x)
+        """Interval of the regressor that the basis is scaled to."""
+        return Domain.of(self.x) if self.frame is None else self.frame[0]
+
+    @property
+    def _across(self) -> Domain:
+        """The same of the other regressor."""
+        assert self.other is not None, "the polynomial is one of a single regressor"
+        return Domain.of(self.other) if self.frame is None else self.frame[1]
+
+    def columns(self, order: int) -> int:
+        """Count the coefficients of an order."""
+        return order + 1 if self.other is None else plane_columns(order)
+
+    def degrees(self, order: int) -> tuple[int, ...]:
+        """Total degree of every coefficient of an order."""
+        if self.other is None:
+            return tuple(range(order + 1))
+        return tuple(i + j for i, j in powers(order))
+
+    def design(self, order: int) -> Array:
+        """Design matrix of an order in its Legendre basis, ``(n_points, columns)``."""
+        s = self.domain.scale(self.x)
+        if self.other is None:
+            return legendre_design(s, order)
+        return plane_design(s, self._across.scale(self.other), order)
+
+    def monomials(self, order: int) -> PolynomialMap:
+        """From the basis's amplitudes to the coefficients that are reported."""
+        if self.other is None:
+            return MonomialMap(self.domain, order)
+        return PlaneMap(self.domain, self._across, order)
 
     def check(self, order: int) -> None:
         """Refuse an order that these points can't determine.
@@ -74,6 +117,23 @@ class AxisData:
         InputError
             With the highest order that still works.
         """
+        if self.other is None:
+            self._check_line(order)
+        else:
+            self._check_plane(order)
+
+    def _check_plane(self, order: int) -> None:
+        p, works = plane_columns(order), 0
+        while plane_columns(works + 1) <= len(self):
+            works += 1
+        if len(self) < p:
+            advice = f"the highest order that works is {works}" if works else "add points"
+            raise InputError(
+                f"{self.source}: axis {self.axis}: order {order} in {self.regressor} has {p} "
+                f"coefficients for {len(self)} points; {advice}"
+            )
+
+    def _check_line(self, order: int) -> None:
         where = f"{self.source}: axis {self.axis}"
         widest = max(abs(self.domain.lower), abs(self.domain.upper))
         half = self.domain.half_range

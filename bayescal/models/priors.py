@@ -128,14 +128,24 @@ class PriorRule:
                 )
 
     def of_order(self, order: int) -> CoefficientPrior:
-        """Prior of the amplitudes of one order.
+        """Prior of the amplitudes of one order of a polynomial of one regressor.
 
         Raises
         ------
         InputError
             Where a stated prior does not reach the order.
         """
-        size = order + 1
+        return self.of_degrees(tuple(range(order + 1)))
+
+    def of_degrees(self, degrees: tuple[int, ...]) -> CoefficientPrior:
+        """Prior of amplitudes of given total degrees, ascending.
+
+        Raises
+        ------
+        InputError
+            Where a stated prior has fewer entries.
+        """
+        size, order = len(degrees), degrees[-1]
         none = np.zeros(size, dtype=bool)
         if self.name == "flat":
             return CoefficientPrior(
@@ -157,7 +167,6 @@ class PriorRule:
         mean = np.zeros(size)
         mean[0] = self.centre
         sd = np.full(size, self.size)
-        sd[:2] = self.size / 2
-        return CoefficientPrior(
-            "field", frozen(mean), frozen(sd), np.arange(size) >= 2, self.size, self.tau
-        )
+        strong = np.array(degrees) >= 2
+        sd[~strong] = self.size / 2
+        return CoefficientPrior("field", frozen(mean), frozen(sd), strong, self.size, self.tau)

@@ -1,8 +1,10 @@
 """What is known of the camera, and the TOML file that says it.
 
-A setup file has the tables ``[camera]`` (position), ``[image]`` (width, height,
+A setup file has the tables ``[camera]`` (position and, where it is not exact, position_sd,
+world units; orientation and orientation_sd, degrees), ``[image]`` (width, height,
 c_from_bottom, assumed) and, where the user states their own priors,
-``[prior.r]`` and ``[prior.c]`` (mean, sd: px, one entry per Legendre amplitude); where
+``[prior.r]`` and ``[prior.c]`` (mean, sd: px, one entry per Legendre amplitude) and
+``[prior.pinhole]`` (focal, centre, centre_sd: px; focal_log_sd, ratio_log_sd); where
 the world coordinates have errors, ``[world]`` (sigma: of x, y, z, world units).
 """
 
@@ -17,17 +19,19 @@ from pathlib import Path
 from typing import Any
 
 from bayescal.errors import InputError
+from bayescal.points.camera import CAMERA_KEYS, PINHOLE_KEYS, StatedCamera
 from bayescal.points.text import decode, reason
 
 AXES = ("r", "c")
 _KEYS = {
     "": {"camera", "image", "prior", "world"},
-    "camera": {"position"},
+    "camera": {"position", *CAMERA_KEYS},
     "image": {"width", "height", "c_from_bottom", "assumed"},
-    "prior": set(AXES),
+    "prior": {*AXES, "pinhole"},
     "world": {"sigma"},
     "prior.r": {"mean", "sd"},
     "prior.c": {"mean", "sd"},
+    "prior.pinhole": set(PINHOLE_KEYS),
 }
 # Where a setup's value stands in the file, if not in [image] under its own name.
 PLACES = {"position": "camera.position", "world_sigma": "world.sigma"}
@@ -84,6 +88,8 @@ class Setup:
         The user's own priors by axis.
     world_sigma : tuple of float or None
         Standard deviations of the world coordinates x, y, z, world units.
+    camera : StatedCamera
+        How sure the position is, the orientation and the optics, as far as stated.
     """
 
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -93,6 +99,7 @@ class Setup:
     assumed: tuple[str, ...] = ()
     priors: dict[str, StatedPrior] = field(default_factory=dict)
     world_sigma: tuple[float, float, float] | None = None
+    camera: StatedCamera = field(default_factory=StatedCamera)
 
     def __post_init__(self) -> None:
         # Floats, whatever numbers they come as, so that a setup file gives back the same.
@@ -205,7 +212,8 @@ class _Parser:
 
     def setup(self) -> Setup:
         self.table("")
-        found = Setup(priors={axis: self.prior(axis) for axis in self.table("prior")})
+        stated = {axis: self.prior(axis) for axis in self.table("prior") if axis in AXES}
+        found = Setup(priors=stated, camera=self.camera())
         camera, image = self.table("camera"), self.table("image")
         given: dict[str, Any] = {}
         if "position" in camera:
@@ -235,6 +243,25 @@ class _Parser:
             except InputError as error:
                 key = PLACES.get(name, f"image.{name}")
                 raise InputError(f"{self.place(key)}: {error}") from None
+        return found
+
+    def camera(self) -> StatedCamera:
+        found = StatedCamera()
+        for table, keys in (("camera", CAMERA_KEYS), ("prior.pinhole", PINHOLE_KEYS)):
+            given = self.table(table)
+            for name in given.keys() & keys:
+                key, count = f"{table}.{name}", keys[name]
+                value: Any = given[name]
+                if count > 1:
+                    value = self.numbers(given, key, count)
+                elif _is_number(value):
+                    value = _float(value)
+                else:
+                    raise self.fail(key, "must be a number")
+                try:  # one by one, so that a complaint has its line
+                    found = replace(found, **{name: value})
+                except InputError as error:
+                    raise InputError(f"{self.place(key)}: {error}") from None
         return found
 
     def prior(self, axis: str) -> StatedPrior:

@@ -16,7 +16,7 @@ from bayescal.inference.least_squares import Factorisation
 from bayescal.inference.model import LinearModel
 from bayescal.models.basis import MonomialMap
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
 from bayescal.report.document import document, dumps
 from bayescal.report.terminal import comparison_view, render

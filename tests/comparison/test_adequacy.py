@@ -15,7 +15,7 @@ from bayescal.comparison.adequacy.outcome import concerns
 from bayescal.comparison.adequacy.replicates import pure_error
 from bayescal.inference.least_squares import factorise, solve
 from bayescal.models.linear import generic_axis
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.report.adequacy import adequacy_rows
 from tests.problems import make_axis, thesis_axis
 

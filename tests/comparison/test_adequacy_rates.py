@@ -24,7 +24,7 @@ from bayescal.comparison.adequacy.problem import Problem
 from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter
 from bayescal.comparison.adequacy.sequence import runs_test, wald_wolfowitz
 from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from tests.problems import thesis_axis
 
 LAYOUTS = [("r", 4), ("c", 1)]

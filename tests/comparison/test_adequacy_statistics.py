@@ -17,7 +17,7 @@ from bayescal.comparison.adequacy.problem import Problem, clusters
 from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter, pure_error
 from bayescal.comparison.adequacy.sequence import runs_test, wald_wolfowitz
 from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from tests.problems import make_axis
 
 

@@ -12,7 +12,7 @@ from scipy import stats
 
 from bayescal.comparison.criteria import criteria
 from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from tests.problems import THESIS_MODELS, legendre_columns, make_axis, thesis_axis
 from tests.strategies import axes, settings_for
 

@@ -17,7 +17,7 @@ from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.model import LinearModel
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
 from tests.comparison.cases import all_but, curve, refitted_evidence
 from tests.problems import STATED_R, THESIS_MODELS, make_axis, make_model, thesis_axis

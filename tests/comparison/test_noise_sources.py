@@ -20,7 +20,7 @@ from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.least_squares import factorise, solve
 from bayescal.inference.model import LinearModel
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.report.terminal import fit_view, render
 from tests.comparison.cases import HEIGHT, WIDTH, camera_points, printed, result_document
 from tests.problems import field_rule, legendre_columns, make_axis, thesis_axis

@@ -20,7 +20,7 @@ from bayescal.comparison.stability import (
     without_groups,
 )
 from bayescal.inference.closed_form import exact_posterior
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from tests.comparison.cases import all_but, curve, refitted_evidence
 from tests.problems import AXES, ORDERS, field_rule, make_axis, make_model, thesis_axis
 

@@ -18,7 +18,7 @@ from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.evidence import Projection, Reduced, log_evidences
 from bayescal.inference.quadrature import COARSE, FINE
 from bayescal.inference.reweighting import Rows
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
 from tests.brute_force import normal_grid
 from tests.comparison.cases import all_but, curve, refitted_evidence

@@ -13,7 +13,7 @@ from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.least_squares import factorise, solve
 from bayescal.inference.target import log_prob
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import SIGMA_BOUNDS
+from bayescal.models.noise.level import SIGMA_BOUNDS
 from bayescal.points.setup import StatedPrior
 from tests.problems import make_axis, make_model
 from tests.strategies import axes, settings_for

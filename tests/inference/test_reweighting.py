@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from bayescal.inference.reweighting import Rows
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from tests.comparison.cases import all_but, curve, refit
 from tests.problems import AXES, ORDERS, field_rule, legendre_columns, make_axis, thesis_axis
 

@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 import bayescal as bc
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
 from bayescal.points.setup import StatedPrior
 

@@ -18,7 +18,7 @@ from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_sca
 from bayescal.comparison.adequacy.sequence import runs_test
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 
 
 def adequacy(

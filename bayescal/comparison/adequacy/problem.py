@@ -11,7 +11,7 @@ from bayescal.arrays import Array, IntArray
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.models.basis import SAME_REGRESSOR, legendre_design
 from bayescal.models.linear import AxisData
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 
 # A column that the design explains up to this fraction of its length adds nothing
 # that could be told from rounding.

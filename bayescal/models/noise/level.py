@@ -1,4 +1,4 @@
-"""What is known of the pixel noise's level."""
+"""What is known of the pixel noise's level: sigma known, inferred, or a scale."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SCALE_BOUNDS = (0.01, 100.0)
 
 @dataclass(frozen=True)
 class NoiseLevel:
-    """Standard deviation of Gaussian noise: known, or inferred between bounds.
+    """Scale sigma of the noise: known, or inferred between bounds.
 
     Attributes
     ----------

@@ -1,0 +1,229 @@
+"""The pinhole as a likelihood model of both axes' pixels, for the general sampler."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
+from bayescal.inference.pinhole_laplace import Normal, laplace
+from bayescal.models.camera_prior import PinholePrior
+from bayescal.models.log_uniform import LogUniform
+from bayescal.models.noise.gaussian import Gaussian
+from bayescal.models.noise.model import NoiseModel
+from bayescal.models.pinhole import POSE, PinholeGeometry
+from bayescal.points.setup import AXES
+
+# tau about which the sampled coordinates are whitened where it is inferred.
+FRAME_TAU = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class PinholeModel:
+    """A pinhole of one order: r and c jointly, one noise level each.
+
+    With Gaussian noise both sigmas, where inferred, are integrated out of `log_prob`, and tau
+    is under any noise; `complete` draws them. Sampled coordinates: the free ones of the
+    geometry, whitened by a Laplace approximation; with other noise then ln sigma (where
+    inferred) and eta of r, and of c.
+
+    Attributes
+    ----------
+    geometry : PinholeGeometry
+    prior : PinholePrior
+    data : JointData
+    fit : PinholeFit
+        Where the search for modes starts.
+    frame : Normal
+        Whitens: free = mean + root u.
+    noise : NoiseModel
+        Shape of the noise, of each axis on its own.
+    """
+
+    geometry: PinholeGeometry
+    prior: PinholePrior
+    data: JointData
+    fit: PinholeFit
+    frame: Normal
+    noise: NoiseModel = Gaussian()
+
+    @classmethod
+    def of(
+        cls,
+        geometry: PinholeGeometry,
+        prior: PinholePrior,
+        data: JointData,
+        fit: PinholeFit,
+        noise: NoiseModel | None = None,
+    ) -> PinholeModel:
+        """Whiten about the most probable parameters at the prior's strength, or a middling one."""
+        tau = prior.tau if prior.tau is not None else FRAME_TAU
+        frame = laplace(geometry, prior, data, fit.free, tau)
+        return cls(geometry, prior, data, fit, frame, noise if noise is not None else Gaussian())
+
+    def free(self, theta: Array) -> Array:
+        """Free coordinates of sampled (or completed) ones, ``(n_draws, geometry.dimension)``."""
+        return self.frame.mean + theta[:, : self.geometry.dimension] @ self.frame.root.T
+
+    @property
+    def gaussian(self) -> bool:
+        """Whether sigma has a closed form."""
+        return self.noise.name == "gaussian"
+
+    @property
+    def infers_tau(self) -> bool:
+        """Whether the distortion's strength is drawn."""
+        return self.geometry.order > 0 and self.prior.tau is None
+
+    @property
+    def dimension(self) -> int:
+        """Number of sampled coordinates."""
+        if self.gaussian:
+            return self.geometry.dimension
+        return self.geometry.dimension + sum(self.data.inferred) + 2 * self.noise.dimension
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the reported parameters."""
+        out = ["focal_r", "focal_c", "centre_r", "centre_c"]
+        out += ["rotation_x", "rotation_y", "rotation_z"]
+        if self.geometry.fixed is None:
+            out += ["position_x", "position_y", "position_z"]
+        out += [f"k_{j + 1}" for j in range(self.geometry.order)]
+        for axis, level in zip(AXES, self.data.levels, strict=True):
+            out += [f"{level.parameter}_{axis}"] * (level.value is None)
+            out += [f"{name}_{axis}" for name in self.noise.parameters]
+        return (*out, *(("tau",) * self.infers_tau))
+
+    def log_prob(self, theta: Array) -> Array:
+        """Log of likelihood times prior, ``(n_draws,)``, what has a closed form integrated out."""
+        with np.errstate(all="ignore"):
+            full = self.geometry.full(self.free(theta))
+            residuals, possible = self._residuals(full)
+            total = self._log_frame + self.prior.log_density(self.geometry, full)
+            if self.gaussian:
+                for i in range(2):
+                    total = total + self._log_marginal(i, self._rss(residuals, i))
+            else:
+                for i, (log_sigma, eta, inside) in enumerate(self._noise(theta)):
+                    sd, residual = self.data.sd[i], residuals[:, i]
+                    density = self.noise.log_density(residual, log_sigma, eta, sd).sum(axis=1)
+                    level = self.data.levels[i]
+                    total = total + density + self.noise.log_prior(eta) + level.log_prior()
+                    possible &= inside
+        return np.where(possible & np.isfinite(total), total, -np.inf)
+
+    def starts(self) -> Array:
+        """Where the frame is centred; under other noise with each of its starts."""
+        free = np.zeros((1, self.geometry.dimension))
+        if self.gaussian:
+            return free
+        eta = self.noise.starts()
+        columns = [np.repeat(free, len(eta), axis=0)]
+        for level, sigma in zip(self.data.levels, self.fit.sigma.tolist(), strict=True):
+            if level.bounds is not None:
+                lower, upper = level.bounds
+                value = np.log(np.clip(0.7 * sigma, 1.01 * lower, 0.99 * upper))
+                columns.append(np.full((len(eta), 1), value))
+            columns.append(eta)
+        return np.concatenate(columns, axis=1)
+
+    def complete(self, theta: Array, rng: np.random.Generator) -> Array:
+        """Draw the sigmas (Gaussian noise) and tau given the rest; logs, in further columns."""
+        full = self.geometry.full(self.free(theta))
+        columns = [theta]
+        if self.gaussian:
+            residuals, _ = self._residuals(full)
+            for i, level in enumerate(self.data.levels):
+                if level.bounds is not None:
+                    rss = self._rss(residuals, i)
+                    columns.append(np.log(LogUniform(*level.bounds).draw(rng, rss, self.data.n)))
+        if self.infers_tau:
+            q = (full[:, POSE:] ** 2).sum(axis=1)
+            strength = self.prior.strength.draw(rng, q, self.geometry.order)
+            columns.append(np.log(strength / self.prior.width))
+        return np.column_stack(columns)
+
+    def report(self, full: Array) -> Array:
+        """Parameters in px, degrees and world units, ``(n_draws, n_names)``."""
+        geometry = self.geometry
+        theta = geometry.full(self.free(full))
+        columns = [np.exp(theta[:, :2]), theta[:, 2:4], np.degrees(theta[:, 4:7])]
+        if geometry.fixed is None:
+            columns.append(geometry.position(theta))
+        columns.append(geometry.coefficients(theta))
+        for (log_sigma, eta, _), level in zip(self._noise(full), self.data.levels, strict=True):
+            if level.value is None:
+                columns.append(np.exp(log_sigma)[:, None])
+            columns.append(self.noise.report(eta))
+        if self.infers_tau:
+            columns.append(np.exp(full[:, -1:]))
+        return np.concatenate(columns, axis=1)
+
+    def log_likelihood(self, full: Array) -> Array:
+        """Log density of each point, r and c together, ``(n_draws, n_points)``."""
+        theta = self.geometry.full(self.free(full))
+        residuals, _ = self._residuals(theta)
+        total = np.zeros(residuals[:, 0].shape)
+        for i, (log_sigma, eta, _) in enumerate(self._noise(full)):
+            total += self.noise.log_density(residuals[:, i], log_sigma, eta, self.data.sd[i])
+        return total
+
+    def bad_probability(self, full: Array) -> Array | None:
+        """Probability that each pixel value is bad, ``(2, n_points)``, averaged over draws."""
+        theta = self.geometry.full(self.free(full))
+        residuals, _ = self._residuals(theta)
+        out = []
+        for i, (log_sigma, eta, _) in enumerate(self._noise(full)):
+            found = self.noise.bad_probability(residuals[:, i], log_sigma, eta, self.data.sd[i])
+            if found is None:
+                return None
+            out.append(found.mean(axis=0))
+        return np.stack(out)
+
+    def _residuals(self, full: Array) -> tuple[Array, Array]:
+        """Measured less predicted, ``(n_draws, 2, n_points)``, and which draws see all points."""
+        pixels, depth = self.geometry.project(full)
+        residuals = self.data.pixels - pixels
+        possible = (depth > 0).all(axis=1) & np.isfinite(residuals).all(axis=(1, 2))
+        return np.where(possible[:, None, None], residuals, 0.0), possible
+
+    def _rss(self, residuals: Array, axis: int) -> Array:
+        return np.asarray(((residuals[:, axis] / self.data.deviations[axis]) ** 2).sum(axis=1))
+
+    def _log_marginal(self, axis: int, rss: Array) -> Array:
+        """Gaussian log likelihood of an axis, sigma integrated out where it is inferred."""
+        level, n = self.data.levels[axis], self.data.n
+        constant = -n / 2 * LOG_2PI - self._log_sd[axis]
+        if level.bounds is not None:
+            return constant + LogUniform(*level.bounds).log_integral(rss, n)
+        assert level.value is not None, "a level without bounds is known"
+        return np.asarray(constant - n * np.log(level.value) - rss / level.value**2 / 2)
+
+    @cached_property
+    def _log_frame(self) -> float:
+        """Log volume of the free coordinates per unit of the sampled ones."""
+        return float(np.log(np.diag(self.frame.root)).sum())
+
+    @cached_property
+    def _log_sd(self) -> Array:
+        return np.asarray(np.log(self.data.deviations).sum(axis=1))
+
+    def _noise(self, columns: Array) -> list[tuple[Array, Array, Array]]:
+        """Ln sigma, eta and whether sigma is within its bounds, of each axis."""
+        at, q, out = self.geometry.dimension, self.noise.dimension, []
+        for level in self.data.levels:
+            inside = np.ones(len(columns), dtype=bool)
+            if level.value is None:
+                log_sigma = columns[:, at]
+                lower, upper = level.log_bounds
+                inside = (log_sigma >= lower) & (log_sigma <= upper)
+                at += 1
+            else:
+                log_sigma = np.full(len(columns), np.log(level.value))
+            out.append((log_sigma, columns[:, at : at + q], inside))
+            at += q
+        return out

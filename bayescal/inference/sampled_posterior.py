@@ -1,0 +1,161 @@
+"""Posterior and evidence of a model without a closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import softmax
+
+from bayescal.arrays import Array
+from bayescal.errors import InputError
+from bayescal.inference.adaptation import adapt
+from bayescal.inference.coordinates import Whitening
+from bayescal.inference.ensembles import sample_ensembles
+from bayescal.inference.estimate import EvidenceEstimate, estimate_evidence
+from bayescal.inference.optimum import Mode, find_modes
+from bayescal.inference.posterior import ParameterSummary, summarise
+from bayescal.inference.sampled_model import SampledModel
+from bayescal.inference.sampling import Chain
+from bayescal.inference.t_mixture import cholesky
+
+EVIDENCE_DRAWS = 20_000
+
+
+@dataclass(frozen=True, eq=False)
+class SampledPosterior:
+    """Posterior of a sampled model: draws of emcee and an estimate of the evidence.
+
+    Attributes
+    ----------
+    model : SampledModel
+    chain : Chain
+    full : Array
+        Completed draws, ``(n_chains, n_draws, n_full)``.
+    parameters : tuple of ParameterSummary
+        Without a closed form.
+    estimate : EvidenceEstimate
+    modes : tuple of Mode
+        The highest first.
+    """
+
+    model: SampledModel
+    chain: Chain
+    full: Array
+    parameters: tuple[ParameterSummary, ...]
+    estimate: EvidenceEstimate
+    modes: tuple[Mode, ...]
+
+    @property
+    def converged(self) -> bool:
+        """Whether the stopping rule was met."""
+        return self.chain.converged
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters, in the order of the draws' last axis."""
+        return self.model.names
+
+    @property
+    def log_evidence(self) -> float:
+        """Natural log of the evidence."""
+        return self.estimate.log_evidence
+
+    @property
+    def log_evidence_error(self) -> float:
+        """Monte Carlo standard error of the log evidence, nat."""
+        return self.estimate.error
+
+    def __getitem__(self, name: str) -> ParameterSummary:
+        return self.parameters[self.names.index(name)]
+
+    def __repr__(self) -> str:
+        chains, draws, _ = self.chain.draws.shape
+        lines = [f"<SampledPosterior: {chains} chains of {draws} draws"]
+        lines += [f"  {p.name} = {p.mean:.6g} +- {p.sd:.2g}" for p in self.parameters]
+        return "\n".join(lines) + ">"
+
+
+def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> SampledPosterior:
+    """Sample a model's posterior with emcee and estimate its evidence.
+
+    Parameters
+    ----------
+    model : SampledModel
+    rng : numpy.random.Generator
+    ess : int
+        Effective samples wanted of every parameter.
+
+    Returns
+    -------
+    SampledPosterior
+
+    Raises
+    ------
+    InputError
+        Where the density is zero at every start of the model.
+    """
+    for_proposal, for_evidence, for_chains = rng.spawn(3)
+    modes = find_modes(model.log_prob, model.starts())
+    if not modes:
+        raise InputError("the likelihood is zero wherever the model could start; check the units")
+    adapted = adapt(model.log_prob, modes, for_proposal)
+    proposal = adapted.proposal
+
+    def finish(theta: Array, child: np.random.Generator) -> tuple[Array, Array]:
+        full = model.complete(theta, child)
+        return full, model.report(full)
+
+    chain, full = sample_ensembles(
+        model.log_prob,
+        proposal,
+        Whitening(adapted.mean, cholesky(adapted.covariance)),
+        finish,
+        for_chains,
+        ess,
+    )
+    fresh = proposal.draw(for_evidence, EVIDENCE_DRAWS)
+    log_weights = model.log_prob(fresh) - proposal.log_density(fresh)
+    theta = chain.theta.reshape(-1, model.dimension)
+    effective = min(min(d.ess_bulk, d.ess_tail) for d in chain.diagnostics)
+    estimate = estimate_evidence(
+        log_weights,
+        chain.log_prob.ravel() - proposal.log_density(theta),
+        effective,
+        _shares_differ(modes, fresh, log_weights, theta, effective),
+    )
+    return SampledPosterior(model, chain, full, summarise(model.names, chain), estimate, modes)
+
+
+def _shares_differ(
+    modes: tuple[Mode, ...],
+    fresh: Array,
+    log_weights: Array,
+    theta: Array,
+    effective: float,
+) -> tuple[str, ...]:
+    """Warn where the draws are shared among the modes otherwise than the weights say."""
+    if len(modes) < 2 or not np.isfinite(log_weights).any():
+        return ()
+    nearest = [_nearest(modes, t) for t in (fresh, theta)]
+    weights = softmax(log_weights)
+    n_effective = 1 / float(weights @ weights)
+    for k in range(len(modes)):
+        expected = float(weights[nearest[0] == k].sum())
+        drawn = float(np.mean(nearest[1] == k))
+        variance = expected * (1 - expected) * (1 / n_effective + 1 / effective)
+        if abs(drawn - expected) > 5 * np.sqrt(variance) + 1e-3:
+            return (
+                f"mode {k + 1} of {len(modes)} holds {100 * expected:.1f} % of the posterior by "
+                f"its weights, {100 * drawn:.1f} % by the draws",
+            )
+    return ()
+
+
+def _nearest(modes: tuple[Mode, ...], theta: Array) -> Array:
+    """Mode of the Laplace approximation that each draw most probably belongs to."""
+    distances = []
+    for mode in modes:
+        z = np.linalg.solve(mode.root, (theta - mode.theta).T)
+        distances.append((z**2).sum(axis=0) / 2 + np.log(np.diag(mode.root)).sum())
+    return np.asarray(np.argmin(distances, axis=0))

@@ -1,0 +1,1 @@
+"""Noise: its level, and the models of its shape about that level."""

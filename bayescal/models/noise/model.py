@@ -1,0 +1,96 @@
+"""What every noise model offers: the shape of the noise about a scale sigma."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from bayescal.arrays import Array
+
+
+class NoiseModel(Protocol):
+    """Shape of the noise about a scale sigma, with unconstrained coordinates eta of its own.
+
+    The scale of point i is sigma times its own deviation, where it has one. A noise model
+    without parameters has eta of shape ``(n_draws, 0)``.
+    """
+
+    @property
+    def name(self) -> str:
+        """What the command line calls it: ``"gaussian"``, ``"student-t"``, ..."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of what is reported beside sigma."""
+        ...
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates eta."""
+        ...
+
+    def log_density(
+        self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
+    ) -> Array:
+        """Log density of residuals, normalised.
+
+        Parameters
+        ----------
+        residual : Array
+            Measured less predicted, ``(n_draws, n_points)``, px.
+        log_sigma : Array
+            ``(n_draws,)``.
+        eta : Array
+            ``(n_draws, dimension)``.
+        sd : Array, optional
+            The points' own deviations, ``(n_points,)``, px; sigma is a factor on them.
+
+        Returns
+        -------
+        Array
+            ``(n_draws, n_points)``, nat per px.
+        """
+        ...
+
+    def log_prior(self, eta: Array) -> Array:
+        """Log prior density per unit of eta, normalised, ``(n_draws,)``."""
+        ...
+
+    def report(self, eta: Array) -> Array:
+        """Parameters in their natural units, ``(n_draws, n_parameters)``."""
+        ...
+
+    def starts(self) -> Array:
+        """Places to search for modes from, ``(n_starts, dimension)``."""
+        ...
+
+    def draw(self, rng: np.random.Generator, log_sigma: Array, eta: Array, sd: Array) -> Array:
+        """Simulate residuals, ``(n_draws, n_points)``, px; one column for each of `sd`."""
+        ...
+
+    def bad_probability(
+        self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
+    ) -> Array | None:
+        """Probability that each point is bad, given the draw, ``(n_draws, n_points)``.
+
+        None where the noise model knows no bad points.
+        """
+        ...
+
+    def weight(
+        self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
+    ) -> Array:
+        """Share of a good point's precision that each point has, ``(n_draws, n_points)``.
+
+        The expected precision of the normal that the residual came from, given the residual,
+        times sigma^2: the weight of the point in a weighted least-squares step.
+        """
+        ...
+
+
+def scales(log_sigma: Array, sd: Array | None) -> Array:
+    """Log scale of each point, ``(n_draws, n_points)``, or ``(n_draws, 1)`` without `sd`."""
+    column = log_sigma[:, None]
+    return column if sd is None else column + np.log(sd)
