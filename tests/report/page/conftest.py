@@ -1,0 +1,40 @@
+"""The page of the thesis data, made once, and a browser to look at it with."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, sync_playwright
+
+import bayescal as bc
+from bayescal.comparison.results import Comparison
+from bayescal.report.page.page import html, page_of
+from bayescal.report.page.pdf import BROWSERS
+
+
+@pytest.fixture(scope="session")
+def defended() -> Comparison:
+    """The thesis data with every default and a defence."""
+    return bc.compare(bc.thesis(), defend=True)
+
+
+@pytest.fixture(scope="session")
+def thesis_page(defended: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of the thesis data."""
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    path.write_text(html(page_of(defended, "bayescal report")), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """The system's Chromium; a machine without one fails these tests, it does not skip them."""
+    found = next((p for name in BROWSERS if (p := shutil.which(name))), None)
+    assert found, "no Chromium is on the PATH; install it (apt-get install chromium)"
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield started
+        started.close()

@@ -1,0 +1,94 @@
+"""The page in a real browser: what it loads, how it sorts, who can read it."""
+
+from __future__ import annotations
+
+import itertools
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, Page
+
+
+@contextmanager
+def opened(browser: Browser, path: Path, width: int = 1024, scheme: str = "light", **more: bool):
+    context = browser.new_context(
+        viewport={"width": width, "height": 900}, color_scheme=scheme, **more
+    )
+    page = context.new_page()
+    page.goto(path.as_uri())
+    yield page
+    context.close()
+
+
+def test_nothing_is_requested_and_nothing_complained_of(browser: Browser, thesis_page: Path):
+    context = browser.new_context()
+    page = context.new_page()
+    asked: list[str] = []
+    said: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.goto(thesis_page.as_uri())
+    assert [url for url in asked if not url.startswith("data:")] == [thesis_page.as_uri()]
+    assert said == []
+    loaded = "() => [...document.images].map(i => i.complete && i.naturalWidth > 0)"
+    images = page.evaluate(loaded)
+    assert len(images) > 25
+    assert all(images)
+    assert all(page.evaluate("() => [...document.images].map(i => i.alt.length > 20)"))
+    context.close()
+
+
+@pytest.mark.parametrize("scripts", [True, False])
+@pytest.mark.parametrize("width", [390, 1024, 1920])
+def test_nothing_overflows(browser: Browser, thesis_page: Path, width: int, scripts: bool):
+    with opened(browser, thesis_page, width, java_script_enabled=scripts) as page:
+        seen = page.locator("html").bounding_box()
+        widest = "() => document.documentElement.scrollWidth"
+        if scripts:
+            assert page.evaluate(widest) <= width
+        assert seen is not None
+        assert seen["width"] <= width
+        assert page.locator("h2").count() == 13
+        assert page.locator("th button").count() == (page.locator("thead th").count() * scripts)
+
+
+def column(page: Page, number: int) -> list[float]:
+    cells = page.locator(f"#orders-r tbody tr > :nth-child({number})")
+    return [float(v) for v in cells.evaluate_all("all => all.map(c => c.dataset.value)")]
+
+
+def test_tables_are_sorted_by_keyboard(browser: Browser, thesis_page: Path):
+    with opened(browser, thesis_page) as page:
+        head = page.locator("#orders-r thead th").last
+        before = column(page, 13)
+        head.locator("button").focus()
+        page.keyboard.press("Enter")
+        assert column(page, 13) == sorted(before) != before
+        assert head.get_attribute("aria-sort") == "ascending"
+        page.keyboard.press("Space")
+        assert column(page, 13) == sorted(before, reverse=True)
+        assert head.get_attribute("aria-sort") == "descending"
+        page.locator("#orders-r thead th button").first.press("Enter")
+        assert column(page, 1) == [1, 2, 3, 4, 5]
+        assert head.get_attribute("aria-sort") is None
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_serious(browser: Browser, thesis_page: Path, scheme: str):
+    with opened(browser, thesis_page, scheme=scheme) as page:
+        page.evaluate("() => document.querySelectorAll('details').forEach(d => d.open = true)")
+        found = Axe().run(page).response["violations"]
+    serious = [v for v in found if v["impact"] in ("serious", "critical")]
+    assert [(v["id"], v["nodes"][0]["html"][:200]) for v in serious] == []
+
+
+def test_headings_are_in_order(browser: Browser, thesis_page: Path):
+    with opened(browser, thesis_page) as page:
+        read = "all => all.map(h => Number(h.tagName[1]))"
+        levels = page.locator("h1, h2, h3, h4").evaluate_all(read)
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(after - before <= 1 for before, after in itertools.pairwise(levels))

@@ -1,0 +1,58 @@
+"""The page on paper, and the command that writes both."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from bayescal.errors import OutputError
+from bayescal.report.page.pdf import find_browser, print_pdf
+from tests.report.command import here
+
+CREATED = "2026-01-02T03:04:05+00:00"
+
+
+def test_pages_text_and_date(thesis_page: Path):
+    made = print_pdf(thesis_page.read_text(encoding="utf-8"), find_browser(), CREATED)
+    assert made.startswith(b"%PDF")
+    assert 8 <= len(re.findall(rb"/Type\s*/Page\b", made)) <= 40
+    dates = re.findall(rb"/(?:CreationDate|ModDate) \(D:(\d+)", made)
+    assert dates
+    assert set(dates) == {b"20260102030405"}
+
+
+def test_no_browser_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(OutputError, match="install it"):
+        find_browser()
+    page, pdf = tmp_path / "a.html", tmp_path / "a.pdf"
+    done = here("report", "--orders", "1", "--out", page, "--pdf", pdf)
+    assert done.code == 2
+    assert done.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_browser_that_fails_is_said():
+    broken = shutil.which("false")
+    assert broken is not None
+    with pytest.raises(OutputError, match="printed no PDF"):
+        print_pdf("<p>", broken, CREATED)
+
+
+def test_a_run_gives_page_and_pdf(tmp_path: Path):
+    run, page, pdf = tmp_path / "run", tmp_path / "a.html", tmp_path / "a.pdf"
+    options = ["--orders", "1", "--axis", "c", "--ess", "400", "--quiet"]
+    assert here("compare", *options, "--out", run).code == 0
+    done = here("report", run, "--out", page, "--pdf", pdf)
+    assert done.code == 0, done.err
+    assert "order 1" in done.out
+    assert pdf.read_bytes().startswith(b"%PDF")
+    assert here("report", run, "--out", page).code == 2
+    text = shutil.which("pdftotext")
+    if text is not None:
+        read = subprocess.run([text, pdf, "-"], capture_output=True, text=True, check=True)
+        assert "Verdict" in read.stdout
