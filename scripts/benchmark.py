@@ -29,8 +29,26 @@ def seconds(command: list[str]) -> float:
     return time.perf_counter() - start
 
 
+def report() -> str:
+    """Time a report's making over the analysis it contains, in this process."""
+    import bayescal
+    from bayescal.report.page.page import html, page_of
+
+    start = time.process_time()
+    found = bayescal.compare(bayescal.thesis(), defend=True)
+    analysed = time.process_time()
+    page = html(page_of(found, "benchmark"))
+    made = time.process_time()
+    analysis, making = analysed - start, made - analysed
+    return (
+        f"making a report ({len(page) / 1e6:.1f} MB) over the analysis it contains: "
+        f"{making / analysis:.2f} ({making:.1f} s over {analysis:.1f} s of processor time, one run)"
+    )
+
+
 def main() -> None:
     """Print a row per comparison."""
+    print(report())
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 7
     for name, ours, peer, limit in COMPARISONS:
         for command in (ours, peer):

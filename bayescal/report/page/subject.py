@@ -61,7 +61,7 @@ class PageSubject:
         caption: str,
         axis: str | None = None,
         order: int | None = None,
-        dpi: float = DPI,
+        dpi: float | None = None,
     ) -> Block:
         """Draw a figure, or say why there is none.
 
@@ -74,7 +74,7 @@ class PageSubject:
         order : int, optional
             The recommended one by default.
         dpi : float, optional
-            Where the figure is too crowded to be kept as lines.
+            Of the dots of a figure that is known to be too crowded for lines.
         """
         try:
             figure = KINDS[kind].draw(self.comparison, axis, order)
@@ -91,12 +91,13 @@ def axis_title(axis: AxisComparison) -> str:
     return f"{axis.data.axis} as a polynomial of {axis.data.regressor}"
 
 
-def embedded(figure: Figure, dpi: float = DPI) -> str:
-    """Encode a figure as a data URI: lines where they are few, else the smaller of two."""
-    lines = figure_bytes(figure, "svg")
-    if len(lines) <= LARGEST_SVG:
-        return _uri("svg+xml", lines)
-    with Image.open(io.BytesIO(figure_bytes(figure, "png", dpi))) as image:
+def embedded(figure: Figure, dpi: float | None = None) -> str:
+    """Encode a figure as a data URI: as lines where they are few, else as dots of few colours."""
+    if dpi is None:
+        lines = figure_bytes(figure, "svg")
+        if len(lines) <= LARGEST_SVG:
+            return _uri("svg+xml", lines)
+    with Image.open(io.BytesIO(figure_bytes(figure, "png", dpi or DPI))) as image:
         few = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
     stream = io.BytesIO()
     few.save(stream, "png", optimize=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
 from bayescal.report.page.blocks import Block, Details, Prose, Section, Tabled
-from bayescal.report.page.subject import PageSubject
+from bayescal.report.page.subject import DPI, PageSubject
 from bayescal.report.terminal import sampling_words
 
 
@@ -19,7 +19,7 @@ def section(subject: PageSubject) -> Section:
             "autocorrelation", f"Autocorrelation of the chains of {name}, order {order}.", name
         )
         trace = subject.picture(
-            "trace", f"Traces and ranks of the chains of {name}, order {order}.", name
+            "trace", f"Traces and ranks of the chains of {name}, order {order}.", name, dpi=DPI
         )
         parts[name] = (
             Tabled(f"chains-{name}", caption, diagnostics_table(axis)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bayescal.report.page.blocks import Block, Details, Section
-from bayescal.report.page.subject import PageSubject
+from bayescal.report.page.subject import DPI, PageSubject
 
 FOLDED_DPI = 100  # of the corner plots that are folded away
 
@@ -18,7 +18,7 @@ def section(subject: PageSubject) -> Section:
             "is one. Contours hold 39.3% and 86.5% of a plane's probability: one and two sigma "
             "of a normal in two dimensions."
         )
-        blocks: list[Block] = [subject.picture("corner", caption, name)]
+        blocks: list[Block] = [subject.picture("corner", caption, name, dpi=DPI)]
         for result in axis.orders:
             if result.order != chosen:
                 words = f"The same of order {result.order}."

@@ -38,5 +38,8 @@ def _joint(subject: PageSubject) -> tuple[Block, ...]:
     if table is None:
         return ()
     caption = "Posterior probability of each pair of orders; the axes are independent."
-    blocks = (subject.picture("joint", caption), Tabled("joint", "The same in numbers.", table))
+    blocks = (
+        subject.picture("joint", caption),
+        Tabled("joint", "The same pairs in numbers.", table),
+    )
     return (Part("Both axes together", blocks),)
