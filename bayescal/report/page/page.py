@@ -39,7 +39,8 @@ def page_of(comparison: Comparison, command: str) -> Page:
     """
     subject = PageSubject(comparison, document(comparison, command))
     found = [made for section in SECTIONS if (made := section(subject)) is not None]
-    lines = header_lines(comparison) or [f"{len(subject.axes[0].data)} pairs of x and y"]
+    pairs = [f"{len(subject.axes[0].data)} pairs of x and y"] * (comparison.points is None)
+    lines = [*pairs, *header_lines(comparison)]
     origin = subject.document["provenance"]
     return Page(
         title="Which polynomial order? A camera calibration compared"
