@@ -9,12 +9,16 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
+from bayescal.inference.pinhole_laplace import Normal, laplace
 from bayescal.models.camera_prior import PinholePrior
 from bayescal.models.log_uniform import LogUniform
 from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.pinhole import POSE, PinholeGeometry
 from bayescal.points.setup import AXES
+
+# tau about which the sampled coordinates are whitened where it is inferred.
+FRAME_TAU = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +27,8 @@ class PinholeModel:
 
     With Gaussian noise both sigmas, where inferred, are integrated out of `log_prob`, and tau
     is under any noise; `complete` draws them. Sampled coordinates: the free ones of the
-    geometry; with other noise then ln sigma (where inferred) and eta of r, and of c.
+    geometry, whitened by a Laplace approximation; with other noise then ln sigma (where
+    inferred) and eta of r, and of c.
 
     Attributes
     ----------
@@ -32,6 +37,8 @@ class PinholeModel:
     data : JointData
     fit : PinholeFit
         Where the search for modes starts.
+    frame : Normal
+        Whitens: free = mean + root u.
     noise : NoiseModel
         Shape of the noise, of each axis on its own.
     """
@@ -40,7 +47,26 @@ class PinholeModel:
     prior: PinholePrior
     data: JointData
     fit: PinholeFit
+    frame: Normal
     noise: NoiseModel = Gaussian()
+
+    @classmethod
+    def of(
+        cls,
+        geometry: PinholeGeometry,
+        prior: PinholePrior,
+        data: JointData,
+        fit: PinholeFit,
+        noise: NoiseModel | None = None,
+    ) -> PinholeModel:
+        """Whiten about the most probable parameters at the prior's strength, or a middling one."""
+        tau = prior.tau if prior.tau is not None else FRAME_TAU
+        frame = laplace(geometry, prior, data, fit.free, tau)
+        return cls(geometry, prior, data, fit, frame, noise if noise is not None else Gaussian())
+
+    def free(self, theta: Array) -> Array:
+        """Free coordinates of sampled (or completed) ones, ``(n_draws, geometry.dimension)``."""
+        return self.frame.mean + theta[:, : self.geometry.dimension] @ self.frame.root.T
 
     @property
     def gaussian(self) -> bool:
@@ -75,9 +101,9 @@ class PinholeModel:
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior, ``(n_draws,)``, what has a closed form integrated out."""
         with np.errstate(all="ignore"):
-            full = self.geometry.full(theta[:, : self.geometry.dimension])
+            full = self.geometry.full(self.free(theta))
             residuals, possible = self._residuals(full)
-            total = self.prior.log_density(self.geometry, full)
+            total = self._log_frame + self.prior.log_density(self.geometry, full)
             if self.gaussian:
                 for i in range(2):
                     total = total + self._log_marginal(i, self._rss(residuals, i))
@@ -91,8 +117,8 @@ class PinholeModel:
         return np.where(possible & np.isfinite(total), total, -np.inf)
 
     def starts(self) -> Array:
-        """The maximum of the likelihood; under other noise with each of its starts."""
-        free = self.fit.free[None]
+        """Where the frame is centred; under other noise with each of its starts."""
+        free = np.zeros((1, self.geometry.dimension))
         if self.gaussian:
             return free
         eta = self.noise.starts()
@@ -107,7 +133,7 @@ class PinholeModel:
 
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:
         """Draw the sigmas (Gaussian noise) and tau given the rest; logs, in further columns."""
-        full = self.geometry.full(theta[:, : self.geometry.dimension])
+        full = self.geometry.full(self.free(theta))
         columns = [theta]
         if self.gaussian:
             residuals, _ = self._residuals(full)
@@ -124,7 +150,7 @@ class PinholeModel:
     def report(self, full: Array) -> Array:
         """Parameters in px, degrees and world units, ``(n_draws, n_names)``."""
         geometry = self.geometry
-        theta = geometry.full(full[:, : geometry.dimension])
+        theta = geometry.full(self.free(full))
         columns = [np.exp(theta[:, :2]), theta[:, 2:4], np.degrees(theta[:, 4:7])]
         if geometry.fixed is None:
             columns.append(geometry.position(theta))
@@ -139,7 +165,7 @@ class PinholeModel:
 
     def log_likelihood(self, full: Array) -> Array:
         """Log density of each point, r and c together, ``(n_draws, n_points)``."""
-        theta = self.geometry.full(full[:, : self.geometry.dimension])
+        theta = self.geometry.full(self.free(full))
         residuals, _ = self._residuals(theta)
         total = np.zeros(residuals[:, 0].shape)
         for i, (log_sigma, eta, _) in enumerate(self._noise(full)):
@@ -148,7 +174,7 @@ class PinholeModel:
 
     def bad_probability(self, full: Array) -> Array | None:
         """Probability that each pixel value is bad, ``(2, n_points)``, averaged over draws."""
-        theta = self.geometry.full(full[:, : self.geometry.dimension])
+        theta = self.geometry.full(self.free(full))
         residuals, _ = self._residuals(theta)
         out = []
         for i, (log_sigma, eta, _) in enumerate(self._noise(full)):
@@ -176,6 +202,11 @@ class PinholeModel:
             return constant + LogUniform(*level.bounds).log_integral(rss, n)
         assert level.value is not None, "a level without bounds is known"
         return np.asarray(constant - n * np.log(level.value) - rss / level.value**2 / 2)
+
+    @cached_property
+    def _log_frame(self) -> float:
+        """Log volume of the free coordinates per unit of the sampled ones."""
+        return float(np.log(np.diag(self.frame.root)).sum())
 
     @cached_property
     def _log_sd(self) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from scipy.special import softmax
@@ -17,9 +18,10 @@ from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.posterior import ParameterSummary, summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampling import Chain
-from bayescal.inference.t_mixture import cholesky
+from bayescal.inference.t_mixture import TMixture
 
 EVIDENCE_DRAWS = 20_000
+Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,9 @@ class SampledPosterior:
         return "\n".join(lines) + ">"
 
 
-def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> SampledPosterior:
+def sample_model(
+    model: SampledModel, rng: np.random.Generator, ess: int, guess: Guess | None = None
+) -> SampledPosterior:
     """Sample a model's posterior with emcee and estimate its evidence.
 
     Parameters
@@ -85,6 +89,9 @@ def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> Sam
     rng : numpy.random.Generator
     ess : int
         Effective samples wanted of every parameter.
+    guess : tuple of TMixture and modes, optional
+        A proposal that knows the model's shape, with the modes it comes from; by default
+        one is adapted to the density.
 
     Returns
     -------
@@ -96,11 +103,15 @@ def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> Sam
         Where the density is zero at every start of the model.
     """
     for_proposal, for_evidence, for_chains = rng.spawn(3)
-    modes = find_modes(model.log_prob, model.starts())
-    if not modes:
-        raise InputError("the likelihood is zero wherever the model could start; check the units")
-    adapted = adapt(model.log_prob, modes, for_proposal)
-    proposal = adapted.proposal
+    if guess is None:
+        modes = find_modes(model.log_prob, model.starts())
+        if not modes:
+            raise InputError(
+                "the likelihood is zero wherever the model could start; check the units"
+            )
+        proposal = adapt(model.log_prob, modes, for_proposal).proposal
+    else:
+        proposal, modes = guess
 
     def finish(theta: Array, child: np.random.Generator) -> tuple[Array, Array]:
         full = model.complete(theta, child)
@@ -109,7 +120,8 @@ def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> Sam
     chain, full = sample_ensembles(
         model.log_prob,
         proposal,
-        Whitening(adapted.mean, cholesky(adapted.covariance)),
+        # The last component spans the whole posterior.
+        Whitening(proposal.means[-1], proposal.roots[-1]),
         finish,
         for_chains,
         ess,
