@@ -34,6 +34,9 @@ _EXPORTS = {
     "fit": "bayescal.api",
     "fit_polynomial": "bayescal.api",
     "least_squares": "bayescal.api",
+    "open_run": "bayescal.report.reopen",
+    "save_run": "bayescal.report.run",
+    "plot": "bayescal.report.figures.registry",
     "reproduce": "bayescal.reproduction",
 }
 
@@ -50,8 +53,11 @@ __all__ = [
     "least_squares",
     "load",
     "load_setup",
+    "open_run",
+    "plot",
     "reproduce",
     "save",
+    "save_run",
     "thesis",
 ]
 
@@ -69,6 +75,9 @@ if TYPE_CHECKING:
     from bayescal.points.reader import load
     from bayescal.points.setup import Setup, load_setup
     from bayescal.points.writer import save
+    from bayescal.report.figures.registry import plot
+    from bayescal.report.reopen import open_run
+    from bayescal.report.run import save_run
     from bayescal.reproduction import reproduce
 
 

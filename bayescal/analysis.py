@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from functools import partial
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -30,6 +31,38 @@ from bayescal.settings import Settings, check_resolved, noise_level, prior_rule
 Progress: TypeAlias = Callable[[str, int], None]
 
 
+class Source(Protocol):
+    """Where what takes long comes from: computed now, or read from a run that kept it."""
+
+    def posterior(
+        self, name: str, model: LinearModel, rng: np.random.Generator, ess: int
+    ) -> Posterior:
+        """Posterior of a model; `name`, such as ``"r-order-4"``, is its own in the comparison."""
+        ...
+
+    def wins(self, axis: str, unit: str) -> dict[int, float] | None:
+        """Share of bootstrap resamples of an axis each order won; None where not yet known."""
+        ...
+
+
+class Computed:
+    """Everything computed now; models are sampled with emcee."""
+
+    def posterior(
+        self,
+        name: str,  # noqa: ARG002 - for those who keep draws by name
+        model: LinearModel,
+        rng: np.random.Generator,
+        ess: int,
+    ) -> Posterior:
+        """Sample a model."""
+        return sample_posterior(model, rng, ess)
+
+    def wins(self, axis: str, unit: str) -> None:  # noqa: ARG002
+        """Know nothing yet."""
+        return
+
+
 @dataclass(frozen=True, eq=False)
 class _Task:
     """One axis to compare, with what is known beside its own numbers."""
@@ -49,6 +82,7 @@ def analyse_points(
     orders: dict[str, tuple[int, ...]],
     settings: Settings,
     progress: Progress | None,
+    source: Source | None = None,
 ) -> Comparison:
     """Compare the orders wanted of each axis of the separable family.
 
@@ -60,6 +94,8 @@ def analyse_points(
     settings : Settings
     progress : callable or None
         Called with axis and order before each model is sampled.
+    source : Source, optional
+        Where posteriors come from; by default they are sampled.
 
     Returns
     -------
@@ -86,9 +122,10 @@ def analyse_points(
     }
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
-        axes = {axis: _compare_axis(task, settings, progress) for axis, task in tasks.items()}
+        source = source or Computed()
+        axes = {a: _compare_axis(task, settings, progress, source) for a, task in tasks.items()}
     assumed = notes(points, axes.values())
-    return Comparison(axes, separable.NAME, points, settings.seed, settings.ess, assumed)
+    return Comparison(axes, separable.NAME, points, settings, assumed)
 
 
 def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) -> Comparison:
@@ -107,12 +144,14 @@ def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) ->
         With the single axis ``"y"``.
     """
     with threadpool_limits(1):
-        result = _compare_axis(_Task(data, 0, orders), settings, None)
+        result = _compare_axis(_Task(data, 0, orders), settings, None, Computed())
     assumed = (f"y: its span, {data.size:.6g}, stands for the image size in the prior",)
-    return Comparison({"y": result}, "polynomial", None, settings.seed, settings.ess, assumed)
+    return Comparison({"y": result}, "polynomial", None, settings, assumed)
 
 
-def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) -> AxisComparison:
+def _compare_axis(
+    task: _Task, settings: Settings, progress: Progress | None, source: Source
+) -> AxisComparison:
     orders = task.orders
     data, noise, noise_source = noise_level(task.data, settings, task.other, orders[-1])
     rule = prior_rule(data, settings, task.stated)
@@ -128,7 +167,7 @@ def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) ->
         if progress is not None:
             progress(data.axis, k)
         rng = _rng(settings, task, k)
-        posteriors[k] = sample_posterior(models[k], rng, settings.ess)
+        posteriors[k] = source.posterior(model_name(data.axis, k), models[k], rng, settings.ess)
     chances, evidences = _probabilities(posteriors)
     found = {k: criteria(fits[k], noise, factors.n, factors.log_sd) for k in orders}
     results = tuple(
@@ -158,7 +197,12 @@ def _compare_axis(task: _Task, settings: Settings, progress: Progress | None) ->
         return plain
     if progress is not None:
         progress(data.axis, 0)
-    return _defended(plain, models, task, _rng(settings, task, 0))
+    return _defended(plain, models, task, source, _rng(settings, task, 0))
+
+
+def model_name(axis: str, order: int) -> str:
+    """Name of a model in a run, such as ``"r-order-4"``."""
+    return f"{axis}-order-{order}"
 
 
 def _rng(settings: Settings, task: _Task, part: int) -> np.random.Generator:
@@ -168,7 +212,11 @@ def _rng(settings: Settings, task: _Task, part: int) -> np.random.Generator:
 
 
 def _defended(
-    plain: AxisComparison, models: dict[int, LinearModel], task: _Task, rng: np.random.Generator
+    plain: AxisComparison,
+    models: dict[int, LinearModel],
+    task: _Task,
+    source: Source,
+    rng: np.random.Generator,
 ) -> AxisComparison:
     """Add the answers to a referee; a plain comparison does not pay for importing them."""
     from bayescal.comparison.adequacy.block import adequacy
@@ -188,6 +236,7 @@ def _defended(
         verdict.plausible,
         task.groups,
         rng,
+        partial(source.wins, data.axis),
     )
     draws = chosen.posterior.chain.draws
     tests = adequacy(

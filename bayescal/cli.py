@@ -13,11 +13,17 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from bayescal import __version__
-from bayescal.commands import compare, fit, reproduce, simulate
+from bayescal.commands import compare, fit, plot, reproduce, simulate
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.errors import BayescalError
 
-COMMANDS = {"compare": compare, "fit": fit, "reproduce": reproduce, "simulate": simulate}
+COMMANDS = {
+    "compare": compare,
+    "fit": fit,
+    "plot": plot,
+    "reproduce": reproduce,
+    "simulate": simulate,
+}
 
 
 class _Parser(argparse.ArgumentParser):

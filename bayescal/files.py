@@ -12,6 +12,9 @@ from pathlib import Path
 
 from bayescal.errors import OutputError
 
+# What marks a folder as a run.
+RESULT = "result.json"
+
 
 def write_whole(path: Path, content: bytes, *, force: bool = False) -> None:
     """Write a file whole or not at all, beside its place and then moved there.

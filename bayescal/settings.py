@@ -15,7 +15,9 @@ from bayescal.errors import InputError
 from bayescal.inference.effective_variance import with_effective_deviations
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import SPAN_BOUNDS, NoiseLevel
+from bayescal.models.noise.choice import NoiseChoice
+from bayescal.models.noise.level import SIGMA_BOUNDS, SPAN_BOUNDS, NoiseLevel
+from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
 from bayescal.points.setup import LARGEST_PX, SMALLEST_PX, StatedPrior
 from bayescal.rounding import significant
@@ -50,6 +52,12 @@ class Settings:
         Effective samples wanted of every parameter.
     defend : bool
         Whether to answer a referee's questions too.
+    noise : str
+        ``"gaussian"``, ``"student-t"`` or ``"outlier-mixture"``.
+    nu : float or None
+        Fixes the degrees of freedom of Student-t noise; None: inferred.
+    bad_offset : bool
+        Whether the mixture's bad points have an offset, inferred; else it is zero.
     """
 
     sigma: float | str | None = None
@@ -58,8 +66,18 @@ class Settings:
     seed: int = 0
     ess: int = DEFAULT_ESS
     defend: bool = False
+    noise: str = "gaussian"
+    nu: float | None = None
+    bad_offset: bool = False
 
     def __post_init__(self) -> None:
+        # Plain numbers, whatever numpy's or int they come as: a run writes them down.
+        for name in ("sigma", "tau", "nu"):
+            if isinstance(value := getattr(self, name), numbers.Real):
+                object.__setattr__(self, name, float(value))
+        for name in ("seed", "ess"):
+            if isinstance(value := getattr(self, name), numbers.Integral):
+                object.__setattr__(self, name, int(value))
         if isinstance(self.sigma, str) and self.sigma not in SIGMA_WORDS:
             raise InputError(
                 f"sigma must be {', '.join(SIGMA_WORDS)} or a number of px, not {self.sigma!r}"
@@ -68,6 +86,22 @@ class Settings:
             raise InputError(f"ess must be from 100 to 1000000, not {self.ess}")
         if self.seed < 0:
             raise InputError(f"seed must not be negative, but is {self.seed}")
+        if self.choice.robust and self.prior == "flat":
+            raise InputError(
+                f"{self.noise} noise needs a proper prior, under which an evidence exists; take "
+                "the prior field or state one"
+            )
+
+    @property
+    def choice(self) -> NoiseChoice:
+        """The noise model wanted, with its options."""
+        return NoiseChoice(self.noise, self.nu, self.bad_offset)
+
+    def noise_model(self, data: AxisData) -> NoiseModel:
+        """Make the noise model of an axis; a generic y has its span over 1920 for a pixel."""
+        return self.choice.model(
+            data.size * SPAN_BOUNDS[1] / SIGMA_BOUNDS[1] if data.axis == "y" else 1.0
+        )
 
 
 def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:

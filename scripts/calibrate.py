@@ -73,9 +73,9 @@ def honest(claims: Claims) -> bool:
     return all(b.calibrated for b in claims.bins()) and claims.very_strong().honest
 
 
-def with_section(text: str, section: str) -> str:
+def with_section(text: str, section: str, heading: str = HEADING) -> str:
     """Replace the section of a Markdown text, or add it at the end."""
-    pattern = re.compile(rf"^{re.escape(HEADING)}$.*?(?=^## |\Z)", re.MULTILINE | re.DOTALL)
+    pattern = re.compile(rf"^{re.escape(heading)}$.*?(?=^## |\Z)", re.MULTILINE | re.DOTALL)
     if pattern.search(text):
         return pattern.sub(lambda _: section + "\n", text).rstrip("\n") + "\n"
     return f"{text.rstrip()}\n\n{section}".lstrip("\n")

@@ -117,6 +117,36 @@ def points(options: argparse.Namespace) -> Correspondences:
     return dataclasses.replace(found, setup=base)
 
 
+def is_run(options: argparse.Namespace) -> bool:
+    """Whether POINTS names a run (a folder with a result document) rather than points.
+
+    Raises
+    ------
+    InputError
+        Where it is a folder, but no run, or options are given that a run has settled.
+    """
+    if options.points in (None, "-"):
+        return False
+    from pathlib import Path
+
+    from bayescal.errors import InputError
+    from bayescal.files import RESULT
+
+    folder = Path(options.points)
+    try:
+        if not folder.is_dir():
+            return False  # reading the points says what is wrong with them
+        found = (folder / RESULT).is_file()
+    except OSError:
+        return False
+    if not found:
+        raise InputError(
+            f"{folder}: is a folder, but not a run: it holds no {RESULT}; name a points file or a "
+            "folder that compare --out wrote"
+        )
+    return True
+
+
 def settings(options: argparse.Namespace) -> dict[str, Any]:
     """Collect the keyword arguments of an analysis."""
     return {name: getattr(options, name) for name in ("sigma", "prior", "tau", "seed", "ess")}

@@ -112,10 +112,15 @@ def deliver(
         write_run(folder, result, text, force=options.force)
 
     publish(options, text, write, lambda: view(result))
-    if not result.sound:
-        print(
-            "bayescal: some draws did not converge or disagree with the closed form (exit code 3)",
-            file=sys.stderr,
-        )
-        return NOT_SOUND
-    return DONE
+    return exit_code(result)
+
+
+def exit_code(result: Comparison) -> int:
+    """Say where draws can't be trusted, and give the exit code."""
+    if result.sound:
+        return DONE
+    print(
+        "bayescal: some draws did not converge or disagree with the closed form (exit code 3)",
+        file=sys.stderr,
+    )
+    return NOT_SOUND

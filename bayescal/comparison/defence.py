@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,6 +133,7 @@ def defend(
     plausible: tuple[int, ...],
     groups: Groups | None,
     rng: np.random.Generator,
+    wins: Callable[[str], Mapping[int, float] | None] = lambda _: None,
 ) -> Defence:
     """Answer a referee's questions about one axis.
 
@@ -149,6 +150,9 @@ def defend(
     groups : Groups or None
     rng : numpy.random.Generator
         For the bootstrap.
+    wins : callable, optional
+        From ``"point"`` or ``"group"`` to the bootstrap's shares, where an earlier run of
+        the same found them.
 
     Returns
     -------
@@ -169,11 +173,11 @@ def defend(
         order,
     )
     groups_out: tuple[Removal, ...] = ()
-    resampled = [bootstrap(data, models, rng)]
+    resampled = [bootstrap(data, models, rng, known=wins("point"))]
     if groups is not None and grouped is not None:
         sizes = groups.members.sum(axis=1).astype(int).tolist()
         groups_out = removals(groups.names, sizes, grouped, order)
-        resampled.append(bootstrap(data, models, rng, groups.members))
+        resampled.append(bootstrap(data, models, rng, groups.members, known=wins("group")))
     scaled = rule.name == "field"
     return Defence(
         prediction,

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
-from bayescal.comparison.verdict import AxisVerdict
+from bayescal.comparison.verdict import AxisVerdict, percent
 from bayescal.inference.least_squares import LeastSquaresFit
+from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.posterior import Posterior
+from bayescal.markup import bullets, table
 from bayescal.models.linear import AxisData
+from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
+from bayescal.rounding import plain
 
 if TYPE_CHECKING:  # a plain comparison does not pay for the defence
     from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.defence import Defence
     from bayescal.comparison.world_units import WorldUnit
+    from bayescal.inference.sampled_posterior import SampledPosterior
+    from bayescal.settings import Settings
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +36,14 @@ class OrderResult:
     ----------
     order : int
     fit : LeastSquaresFit
-        Maximum likelihood.
+        Least squares: of maximum likelihood where the noise is Gaussian.
     rss_px2 : float
         Residual sum of squares, px^2, unweighted.
     goodness : GoodnessOfFit
+        Without numbers where the noise is not Gaussian, as are the criteria.
     criteria : Criteria
-    posterior : Posterior
+    posterior : Posterior or SampledPosterior
+        The latter where the noise leaves no closed form.
     probability : float or None
         Posterior probability of the order among those compared; None under a
         flat prior.
@@ -45,18 +54,37 @@ class OrderResult:
     rss_px2: float
     goodness: GoodnessOfFit
     criteria: Criteria
-    posterior: Posterior
+    posterior: Posterior | SampledPosterior
     probability: float | None
 
     @property
     def log_evidence(self) -> float | None:
         """Natural log of the evidence; None under a flat prior."""
-        return self.posterior.exact.log_evidence
+        return self.posterior.log_evidence
+
+    @property
+    def exact(self) -> ExactPosterior | None:
+        """The closed form; None where the noise leaves none."""
+        return self.posterior.exact if isinstance(self.posterior, Posterior) else None
+
+    @property
+    def evidence_warnings(self) -> tuple[str, ...]:
+        """Why a sampled evidence should not be trusted; empty where it can be."""
+        posterior = self.posterior
+        return () if isinstance(posterior, Posterior) else posterior.estimate.warnings
 
     @property
     def sound(self) -> bool:
-        """Whether the draws converged and agree with the closed form."""
-        return self.posterior.converged and self.posterior.agrees_with_exact
+        """Whether the draws converged and agree with the closed form or, without one, whether
+        the evidence can be trusted.
+        """
+        posterior = self.posterior
+        checked = (
+            posterior.agrees_with_exact
+            if isinstance(posterior, Posterior)
+            else posterior.estimate.certain
+        )
+        return posterior.converged and checked
 
     def __repr__(self) -> str:
         chance = "" if self.probability is None else f", probability {self.probability:.3f}"
@@ -89,6 +117,8 @@ class AxisComparison:
     world_units : tuple of WorldUnit
         What one unit of error in the world is worth, where a defence was asked for and
         the world coordinates' errors are not stated.
+    noise_model : NoiseModel
+        Shape of the noise about its level.
     """
 
     data: AxisData
@@ -102,6 +132,7 @@ class AxisComparison:
     defence: Defence | None = None
     adequacy: tuple[AdequacyTest, ...] = ()
     world_units: tuple[WorldUnit, ...] = ()
+    noise_model: NoiseModel = Gaussian()
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:
@@ -121,6 +152,29 @@ class AxisComparison:
     def __repr__(self) -> str:
         return f"<AxisComparison {self.data.axis}: {self.verdict.text}>"
 
+    def _repr_html_(self) -> str:
+        """Show orders and verdict in a notebook."""
+        data, best = self.data, self.verdict.order
+        unit = "units of y" if data.axis == "y" else "px"
+        rows = [
+            [
+                f"{r.order} (recommended)" if r.order == best else f"{r.order}",
+                plain(r.rss_px2),
+                _shown(r.fit.sigma_hat, ".3g"),
+                _shown(r.criteria.aicc, ".1f"),
+                _shown(r.criteria.bic, ".1f"),
+                _shown(r.log_evidence, ".2f"),
+                "" if r.probability is None else percent(r.probability),
+            ]
+            for r in self.orders
+        ]
+        heads = ["order", f"RSS, ({unit})²", f"sigma^, {unit}", "AICc", "BIC", "ln Z, nat"]
+        caption = f"{data.axis} as a polynomial of {data.regressor}, {len(data)} points"
+        marked = next((i for i, r in enumerate(self.orders) if r.order == best), None)
+        return table(caption, [*heads, "probability"], rows, marked=marked) + (
+            self.verdict._repr_html_()
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
@@ -133,18 +187,26 @@ class Comparison:
     family : str
     points : Correspondences or None
         None for a generic problem.
-    seed, ess : int
-        As asked for.
+    settings : Settings
+        What was asked for: noise level, prior, seed and so on.
     notes : tuple of str
         What was assumed because nobody said otherwise.
+    origin : dict or None
+        The provenance of the run that holds exactly this comparison, where it was read from
+        one; None where it was computed just now.
     """
 
     axes: dict[str, AxisComparison]
     family: str
     points: Correspondences | None
-    seed: int
-    ess: int
+    settings: Settings
     notes: tuple[str, ...]
+    origin: dict[str, Any] | None = None
+
+    @property
+    def seed(self) -> int:
+        """Of all randomness."""
+        return self.settings.seed
 
     @property
     def sound(self) -> bool:
@@ -159,3 +221,12 @@ class Comparison:
     def __repr__(self) -> str:
         lines = [f"  {name}: {axis.verdict.text}" for name, axis in self.axes.items()]
         return "\n".join([f"<Comparison: family {self.family}", *lines]) + ">"
+
+    def _repr_html_(self) -> str:
+        """Show every axis in a notebook, and what was assumed."""
+        axes = "".join(axis._repr_html_() for axis in self.axes.values())
+        return axes + bullets("Notes", self.notes)
+
+
+def _shown(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)

@@ -146,6 +146,7 @@ def bootstrap(
     rng: np.random.Generator,
     members: Array | None = None,
     resamples: int = RESAMPLES,
+    known: Mapping[int, float] | None = None,
 ) -> Bootstrap:
     """Resample points or groups and count which order wins.
 
@@ -161,9 +162,15 @@ def bootstrap(
         1 where a point belongs to a group, ``(n_groups, n_points)``; points are
         resampled one by one without it.
     resamples : int, optional
+    known : mapping of int to float, optional
+        The shares, from an earlier run of the same. The resamples are drawn all the same, so
+        that what comes after has the same random numbers.
     """
+    unit = "point" if members is None else "group"
     units = len(data) if members is None else len(members)
     drawn = rng.multinomial(units, np.full(units, 1 / units), size=resamples).astype(float)
+    if known is not None:
+        return Bootstrap(unit, resamples, dict(known))
     counts = drawn if members is None else drawn @ members
     sets = Rows.of(data, max(models)).counted(counts)
     table = np.array(
@@ -174,7 +181,7 @@ def bootstrap(
     )
     wins = np.bincount(table.argmax(axis=0), minlength=len(models)) / resamples
     return Bootstrap(
-        "point" if members is None else "group",
+        unit,
         resamples,
         {k: float(share) for k, share in zip(models, wins, strict=True)},
     )

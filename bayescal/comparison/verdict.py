@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.evidence import plausible_set, strength
+from bayescal.markup import bullets, paragraph
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,10 @@ class AxisVerdict:
     caveats: tuple[str, ...]
     text: str
     aic_name: str = "AICc"
+
+    def _repr_html_(self) -> str:
+        """Show the verdict in a notebook."""
+        return paragraph(self.text) + bullets("Caveats", self.caveats)
 
 
 def judge(

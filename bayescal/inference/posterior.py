@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +14,8 @@ from bayescal.inference.model import LinearModel
 from bayescal.inference.proposal import LinearProposal, Proposal
 from bayescal.inference.sampling import Chain, sample
 from bayescal.inference.target import log_prob
+from bayescal.markup import table
+from bayescal.rounding import rounded, significant
 
 # A mean or sd further than this many Monte Carlo standard errors from the closed
 # form is an error of the program, not of chance.
@@ -107,6 +110,34 @@ class Posterior:
         lines += [f"  {p.name} = {p.mean:.6g} +- {p.sd:.2g}" for p in self.parameters]
         return "\n".join(lines) + ">"
 
+    def _repr_html_(self) -> str:
+        """Show the parameters in a notebook."""
+        chains, draws, _ = self.chain.draws.shape
+        return parameters_table(
+            f"Order {self.exact.model.order}, {chains} chains of {draws} draws; coefficients and "
+            "sigma in px (the unit of y for arrays), tau a fraction of the image",
+            self.parameters,
+        )
+
+
+def parameters_table(caption: str, parameters: Sequence[ParameterSummary]) -> str:
+    """Summaries as an HTML table, digits cut to their uncertainty."""
+    rows = [
+        [
+            p.name,
+            rounded(p.mean, p.sd),
+            significant(p.sd),
+            " to ".join(rounded(end, p.sd) for end in p.interval),
+            f"{p.ess_bulk:.0f}",
+            f"{p.ess_tail:.0f}",
+            f"{p.rhat:.3f}",
+        ]
+        for p in parameters
+    ]
+    interval = f"{100 * INTERVAL_PROBABILITY:g}% interval"
+    heads = ["parameter", "mean", "sd", interval, "ESS bulk", "ESS tail", "R-hat"]
+    return table(caption, heads, rows)
+
 
 def sample_posterior(
     model: LinearModel,
@@ -147,6 +178,11 @@ def sample_posterior(
         rng,
         ess,
     )
+    return posterior_of(exact, chain)
+
+
+def posterior_of(exact: ExactPosterior, chain: Chain) -> Posterior:
+    """Summarise a chain, sampled now or read from a file, beside the closed form."""
     return Posterior(exact, chain, _summaries(exact, chain))
 
 

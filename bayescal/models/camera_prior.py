@@ -214,7 +214,9 @@ def pinhole_prior(points: Correspondences, tau: float | None = None) -> PinholeP
         camera.focal_log_sd if camera.focal_log_sd is not None else FOCAL_LOG_SD,
         camera.ratio_log_sd if camera.ratio_log_sd is not None else RATIO_LOG_SD,
         frozen(camera.centre if camera.centre is not None else middles),
-        frozen(camera.centre_sd if camera.centre_sd is not None else CENTRE_SHARE * np.array(sizes)),
+        frozen(
+            camera.centre_sd if camera.centre_sd is not None else CENTRE_SHARE * np.array(sizes)
+        ),
         sizes[0],
         sizes[1],
         tau,

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,8 @@ class StatedPrior:
     sd: tuple[float, ...]
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "mean", _floats(self.mean))
+        object.__setattr__(self, "sd", _floats(self.sd))
         if len(self.mean) != len(self.sd):
             raise InputError(
                 f"mean has {len(self.mean)} entries and sd {len(self.sd)}; give both for each b_j"
@@ -99,6 +102,13 @@ class Setup:
     camera: StatedCamera = field(default_factory=StatedCamera)
 
     def __post_init__(self) -> None:
+        # Floats, whatever numbers they come as, so that a setup file gives back the same.
+        object.__setattr__(self, "position", _floats(self.position))
+        for name in ("width", "height"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, _float(getattr(self, name)))
+        if self.world_sigma is not None:
+            object.__setattr__(self, "world_sigma", _floats(self.world_sigma))
         if not all(abs(v) < LARGEST for v in self.position):
             raise InputError(
                 f"the camera position must be three finite numbers below {LARGEST:g}; mend it"
@@ -274,6 +284,10 @@ def _float(value: float) -> float:
         return float(value)
     except OverflowError:
         return math.inf
+
+
+def _floats(values: Iterable[float]) -> tuple[float, ...]:
+    return tuple(_float(v) for v in values)
 
 
 def _normal(key: str) -> str:

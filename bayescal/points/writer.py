@@ -1,4 +1,4 @@
-"""Writes points files that the reader reads back unchanged."""
+"""Writes points and setup files that the readers read back unchanged."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 
 from bayescal.files import write_whole
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import Setup
 
 
 def to_csv(points: Correspondences) -> str:
@@ -37,6 +38,36 @@ def to_csv(points: Correspondences) -> str:
     writer.writerow(columns)
     writer.writerows(zip(*columns.values(), strict=True))
     return text.getvalue()
+
+
+def to_toml(setup: Setup) -> str:
+    """Format a setup as TOML text; every number survives the round trip.
+
+    Parameters
+    ----------
+    setup : Setup
+
+    Returns
+    -------
+    str
+    """
+    lines = ["[camera]", f"position = {_list(setup.position)}", "", "[image]"]
+    lines += [
+        f"{name} = {size!r}"
+        for name, size in (("width", setup.width), ("height", setup.height))
+        if size is not None
+    ]
+    lines.append(f"c_from_bottom = {str(setup.c_from_bottom).lower()}")
+    lines.append("assumed = [" + ", ".join(f'"{name}"' for name in setup.assumed) + "]")
+    if setup.world_sigma is not None:
+        lines += ["", "[world]", f"sigma = {_list(setup.world_sigma)}"]
+    for axis, prior in setup.priors.items():
+        lines += ["", f"[prior.{axis}]", f"mean = {_list(prior.mean)}", f"sd = {_list(prior.sd)}"]
+    return "\n".join(lines) + "\n"
+
+
+def _list(values: tuple[float, ...]) -> str:
+    return "[" + ", ".join(repr(v) for v in values) + "]"
 
 
 def save(points: Correspondences, path: str | Path, *, force: bool = False) -> None:

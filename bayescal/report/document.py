@@ -22,6 +22,7 @@ from bayescal.report.adequacy import adequacy_rows
 from bayescal.report.defence import defence_document
 from bayescal.report.facts import dumps as dumps
 from bayescal.report.facts import points_facts
+from bayescal.settings import Settings
 
 PREDICTION = (
     "elpd_loo",
@@ -46,7 +47,8 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
     ----------
     comparison : Comparison
     command : str
-        How it was asked for, for the provenance.
+        How it was asked for, for the provenance. A comparison that a run holds keeps the
+        provenance of that run.
 
     Returns
     -------
@@ -56,15 +58,8 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
     axes = {name: _axis(axis) for name, axis in comparison.axes.items()}
     return {
         "schema": SCHEMA,
-        "provenance": {
-            "bayescal": bayescal.__version__,
-            "python": platform.python_version(),
-            **{name: version(name) for name in PACKAGES},
-            "command": command,
-            "seed": comparison.seed,
-            "ess": comparison.ess,
-            "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        },
+        "provenance": comparison.origin or _provenance(comparison.settings, command),
+        "settings": asdict(comparison.settings),
         "data": _data(comparison),
         "family": comparison.family,
         "axes": axes,
@@ -74,6 +69,25 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
             "joint": _joint(comparison),
         },
         "notes": list(comparison.notes),
+    }
+
+
+def _provenance(settings: Settings, command: str) -> dict[str, Any]:
+    return {
+        **versions(),
+        "command": command,
+        "seed": settings.seed,
+        "ess": settings.ess,
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of this program, of Python and of what the numbers depend on."""
+    return {
+        "bayescal": bayescal.__version__,
+        "python": platform.python_version(),
+        **{name: version(name) for name in PACKAGES},
     }
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from bayescal.comparison.thesis_results import Reproduction
 from bayescal.files import FolderKind, check_folder, write_folder
-from bayescal.report.style import save_figure
-from bayescal.report.thesis_figures import thesis_figures
+from bayescal.report.figures.style import save_figure
+from bayescal.report.figures.thesis import thesis_figures
 
 DOCUMENT = "reproduction.json"
 KIND = FolderKind("reproduction", DOCUMENT, ("figure-*.png", "figure-*.svg"))

@@ -1,16 +1,37 @@
-"""A run: a folder with the result document, the draws and the figures."""
+"""A run: a folder that holds a comparison, its points and its draws, and can be reopened.
+
+``result.json``       the result document (what marks a folder as a run)
+``run.json``          the format's number, who wrote it, the hash of every file below and above
+``points.csv``        the points, every digit of them
+``setup.toml``        what is known of the camera
+``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
+``corner-*.png``      pictures, for people only
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
+from typing import Any
 
+import bayescal
+from bayescal.analysis import model_name
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
-from bayescal.files import FolderKind, check_folder, write_folder
+from bayescal.errors import InputError
+from bayescal.files import RESULT, FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import write_netcdf
+from bayescal.inference.stored import pack
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.writer import to_csv, to_toml
+from bayescal.report.document import document
+from bayescal.report.facts import dumps
 
-RESULT = "result.json"
+# Rises when an older version could no longer read what a newer one writes.
+FORMAT = 1
+MANIFEST, POINTS, SETUP = "run.json", "points.csv", "setup.toml"
 DRAWS = "draws"
-RUN = FolderKind("run", RESULT, (DRAWS, "corner-*.png"))
+RUN = FolderKind("run", RESULT, (MANIFEST, POINTS, SETUP, DRAWS, "corner-*.png"))
 
 
 def check_run(folder: Path, *, force: bool) -> None:
@@ -23,6 +44,28 @@ def check_run(folder: Path, *, force: bool) -> None:
         without `force`, or the folder around it does not exist.
     """
     check_folder(folder, RUN, force=force)
+
+
+def save_run(comparison: Comparison, folder: str | Path, *, force: bool = False) -> None:
+    """Write a comparison to a folder that `open_run` reads back.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Of correspondences.
+    folder : str or Path
+        Where to; an earlier run is left alone unless `force`.
+    force : bool, optional
+
+    Raises
+    ------
+    InputError
+        Where the comparison is of plain arrays.
+    OutputError
+        Where the run can't be written; nothing is left behind.
+    """
+    text = dumps(document(comparison, "bayescal.save_run"))
+    write_run(Path(folder), comparison, text, force=force)
 
 
 def write_run(folder: Path, comparison: Comparison, result_json: str, *, force: bool) -> None:
@@ -42,36 +85,64 @@ def write_run(folder: Path, comparison: Comparison, result_json: str, *, force: 
     OutputError
         Where it can't be written; nothing is left behind.
     """
+    points = comparison.points
+    if points is None:
+        raise InputError("a run holds world points and pixels; this comparison is of plain arrays")
 
     def fill(made: Path) -> None:
-        (made / RESULT).write_text(result_json, encoding="utf-8")
+        texts = {RESULT: result_json, POINTS: to_csv(points), SETUP: to_toml(points.setup)}
+        for name, text in texts.items():
+            (made / name).write_bytes(text.encode())
         (made / DRAWS).mkdir()
-        for name, axis in comparison.axes.items():
+        for axis in comparison.axes.values():
             for result in axis.orders:
-                _write_draws(made / DRAWS / f"{name}-order-{result.order}.nc", axis, result)
-            _write_corner(made / f"corner-{name}.png", axis)
+                _write_draws(made / draws_name(axis.data.axis, result.order), axis, result)
+        names = sorted(p.relative_to(made).as_posix() for p in made.rglob("*") if p.is_file())
+        hashes = {name: digest((made / name).read_bytes()) for name in names}
+        (made / MANIFEST).write_bytes((json.dumps(_manifest(points, hashes)) + "\n").encode())
+        for name in comparison.axes:
+            _write_corner(made / f"corner-{name}.png", comparison, name)
 
     write_folder(folder, RUN, fill, force=force)
 
 
+def _manifest(points: Correspondences, files: dict[str, str]) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "bayescal": bayescal.__version__,
+        "files": files,
+        # The points' lines in the file they once came from, for messages.
+        "lines": None if points.lines is None else list(points.lines),
+    }
+
+
+def digest(raw: bytes) -> str:
+    """SHA-256 in hexadecimal."""
+    return hashlib.sha256(raw).hexdigest()
+
+
+def draws_name(axis: str, order: int) -> str:
+    """Place of a model's draws in a run."""
+    return f"{DRAWS}/{model_name(axis, order)}.nc"
+
+
 def _write_draws(path: Path, axis: AxisComparison, result: OrderResult) -> None:
-    chain = result.posterior.chain
-    write_netcdf(
-        path,
-        {name: chain.draws[:, :, j] for j, name in enumerate(result.posterior.names)},
-        {"lp": chain.log_prob},
-        {"pixel": axis.data.t, "regressor": axis.data.x},
+    draws = pack(result.posterior.chain, result.posterior.names)
+    draws.groups["observed_data"] = {"pixel": axis.data.t, "regressor": axis.data.x}
+    draws.described.update(
         {
             "axis": axis.data.axis,
             "regressor": axis.data.regressor,
             "order": result.order,
-            "units": "coefficients and sigma in px, tau a fraction of the image",
+            "units": "coefficients and sigma in px, tau a fraction of the image, scale a factor",
             "inference_library": "emcee",
-        },
+        }
     )
+    write_netcdf(path, draws)
 
 
-def _write_corner(path: Path, axis: AxisComparison) -> None:
-    from bayescal.report.figures import corner_plot
+def _write_corner(path: Path, comparison: Comparison, name: str) -> None:
+    from bayescal.report.figures.registry import KINDS
+    from bayescal.report.figures.style import figure_bytes
 
-    corner_plot(axis, axis.chosen).savefig(path, dpi=110)
+    path.write_bytes(figure_bytes(KINDS["corner"].draw(comparison, name), "png", dpi=150))

@@ -17,7 +17,7 @@ from bayescal.inference.quadrature import FINE
 from bayescal.inference.reweighting import Rows
 from bayescal.models import bivariate, separable
 from bayescal.models.basis import Domain
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.plane import PlaneMap, plane_columns, plane_design, powers
 from tests.problems import field_rule
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import tempfile
 from pathlib import Path
@@ -13,7 +14,8 @@ from hypothesis import strategies as st
 
 import bayescal as bc
 from bayescal.errors import OutputError
-from bayescal.points.writer import to_csv
+from bayescal.points.setup import StatedPrior
+from bayescal.points.writer import to_csv, to_toml
 from tests.points.examples import rows
 
 COORDINATES = st.floats(min_value=-9e99, max_value=9e99)
@@ -59,6 +61,38 @@ def test_write_then_read_is_the_identity(points: bc.Correspondences) -> None:
         a: s.tobytes() for a, s in points.sigma.items()
     }
     assert found.lines == tuple(range(2, len(points) + 2))  # one line per point
+
+
+NUMBERS = st.tuples(*[COORDINATES] * 3)
+PRIORS = st.integers(1, 4).flatmap(
+    lambda size: st.builds(
+        StatedPrior,
+        *(st.lists(v, min_size=size, max_size=size).map(tuple) for v in (PIXELS, SIGMAS)),
+    )
+)
+SETUP = {
+    "position": NUMBERS,
+    "width": st.none() | st.floats(1, 1e9) | st.integers(1, 10**9),
+    "height": st.floats(1, 1e9),
+    "c_from_bottom": st.booleans(),
+    "assumed": st.sets(st.sampled_from(["position", "width", "height", "c_from_bottom"])).map(
+        tuple
+    ),
+    "priors": st.dictionaries(st.sampled_from(["r", "c"]), PRIORS),
+    "world_sigma": st.none() | st.tuples(*[st.floats(0, 9e99)] * 3),
+}
+
+
+@given(setup=st.builds(bc.Setup, **SETUP))
+@settings(deadline=None, max_examples=200)
+def test_a_setup_written_and_read_is_the_same(setup: bc.Setup) -> None:
+    assert set(SETUP) == {field.name for field in dataclasses.fields(bc.Setup)}  # none forgotten
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "setup.toml"
+        path.write_text(to_toml(setup), encoding="utf-8")
+        found = bc.load_setup(path)
+    assert found == setup
+    assert repr(found) == repr(setup)  # -0.0 stays -0.0, a float a float
 
 
 def test_the_thesis_survives_as_a_file(tmp_path: Path) -> None:

@@ -11,9 +11,9 @@ from matplotlib.colors import to_hex
 from matplotlib.text import Annotation, Text
 
 import bayescal as bc
-from bayescal.report.error_figures import NAMED, ErrorKind, error_figure
-from bayescal.report.style import save_figure
-from bayescal.report.thesis_figures import thesis_figures
+from bayescal.report.figures.style import save_figure
+from bayescal.report.figures.thesis import thesis_figures
+from bayescal.report.figures.thesis_errors import NAMED, ErrorKind, error_figure
 
 OKABE_ITO = {"#0072b2", "#d55e00"}
 ERRORS = {

@@ -7,16 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.font_manager import findfont, get_font
 
 from bayescal.arrays import Array
 
 FONT_SIZE = 6.5  # pt
-# Size of a digit of the default font as a fraction of its size.
+# Size of a character of the default font as a fraction of its size.
 DIGIT_WIDTH, DIGIT_HEIGHT = 0.64, 0.76
 MARKER, GAP = 2.2, 1.2  # half a marker, and what stays free beside it, pt
 STROKE = 0.6  # half the width that a line takes, pt
 APART = 1.8  # between two names, pt
 REACH = 40.0  # how far from a point its name can matter, pt
+LONGEST_NAME = 12  # characters
 AMBIGUOUS = 5.0  # cost, pt^2, of a place nearer to another point than to its own
 
 
@@ -62,8 +64,9 @@ def name_points(
     stems: bool = False,
     lines: Sequence[float] = (),
     curve: Array | None = None,
+    names: Sequence[str] | None = None,
 ) -> list[str]:
-    """Write the numbers of some points beside them, covering no marker, line or name.
+    """Write the names of some points beside them, covering no marker, line or name.
 
     The figure's layout must be final, for the places are found on the page.
 
@@ -80,6 +83,9 @@ def name_points(
         Heights of lines across the axes.
     curve : Array, optional
         Places on a curve drawn, ``(n_places, 2)``, in the axes' units.
+    names : sequence of str, optional
+        Of all points, as `printable_names` makes them; their numbers, from 1, by
+        default.
 
     Returns
     -------
@@ -106,7 +112,7 @@ def name_points(
     for line in lines:
         height = float(ax.transData.transform((0.0, line))[1]) * scale
         taken.append(Box(page.left, height - STROKE, page.right, height + STROKE))
-    names = []
+    written = []
     for point in named:
         if not np.isfinite(places[point]).all():
             continue
@@ -126,10 +132,10 @@ def name_points(
             own = box.distance(px, py)
             return covered + AMBIGUOUS * any(box.distance(*other) < own for other in others)
 
-        name = str(point + 1)
+        name = str(point + 1) if names is None else names[point]
         box = min(_candidates(px, py, len(name), upwards=py >= zero or not stems), key=cost)
         taken.append(box.grown(APART))
-        names.append(name)
+        written.append(name)
         middle = np.array([box.left + box.right, box.bottom + box.top]) / 2
         note = ax.annotate(
             name,
@@ -139,9 +145,29 @@ def name_points(
             ha="center",
             va="center_baseline",
             fontsize=FONT_SIZE,
+            parse_math=False,
         )
         note.set_in_layout(False)
-    return names
+    return written
+
+
+def printable_names(labels: Sequence[str]) -> tuple[str, ...]:
+    """Names of points as a figure can show them.
+
+    A label that is long, or holds a character that the figure's font lacks, gives way
+    to the point's number with a #.
+
+    Parameters
+    ----------
+    labels : sequence of str
+    """
+    known = get_font(findfont("DejaVu Sans")).get_charmap()
+    return tuple(
+        label
+        if len(label) <= LONGEST_NAME and all(ord(c) in known and c.isprintable() for c in label)
+        else f"#{i}"
+        for i, label in enumerate(labels, 1)
+    )
 
 
 def _candidates(px: float, py: float, digits: int, *, upwards: bool) -> Iterator[Box]:

@@ -20,8 +20,8 @@ from matplotlib.lines import Line2D
 from bayescal.arrays import Array
 from bayescal.comparison.thesis_results import AxisReproduction, OrderReproduction, Reproduction
 from bayescal.models.thesis import AS_CODED
-from bayescal.report.labels import name_points
-from bayescal.report.style import GREY, KEPT, REMOVED, STYLE, WIDTH, settle
+from bayescal.report.figures.labels import name_points
+from bayescal.report.figures.style import GREY, KEPT, REMOVED, STYLE, WIDTH, settle
 from bayescal.rounding import plain
 
 NAMED = 6

@@ -14,9 +14,9 @@ from bayescal.arrays import Array
 from bayescal.comparison.thesis_results import OrderReproduction, Reproduction
 from bayescal.models.separable import axis_data
 from bayescal.models.thesis import AS_WRITTEN
-from bayescal.report.error_figures import NAMED, ErrorKind, error_figure
-from bayescal.report.labels import name_points
-from bayescal.report.style import COLOURS, GREY, STYLE, WIDTH, settle
+from bayescal.report.figures.labels import name_points
+from bayescal.report.figures.style import COLOURS, GREY, STYLE, WIDTH, settle
+from bayescal.report.figures.thesis_errors import NAMED, ErrorKind, error_figure
 
 
 def thesis_figures(reproduction: Reproduction) -> dict[str, Figure]:

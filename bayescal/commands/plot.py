@@ -1,0 +1,135 @@
+"""``bayescal plot``: one figure of a comparison."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bayescal.commands import options as shared
+from bayescal.commands.output import DONE, exit_code
+from bayescal.errors import InputError
+from bayescal.report.figures.registry import KINDS, FigureKind
+
+if TYPE_CHECKING:
+    from bayescal.comparison.results import Comparison
+
+HELP = "one figure of a comparison"
+DESCRIPTION = (
+    "Draw one figure of a comparison, made now from POINTS or reopened from a RUN that compare "
+    "--out wrote. What the figure needs, such as the defence, is computed."
+)
+SUFFIXES = (".png", ".svg", ".pdf")
+
+
+class _ListKinds(argparse.Action):
+    """Prints the kinds and ends, as --help does."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,  # noqa: ARG002 (argparse's own signature)
+        values: str | Sequence[Any] | None,  # noqa: ARG002
+        option_string: str | None = None,  # noqa: ARG002
+    ) -> None:
+        width = max(map(len, KINDS))
+        lines = [f"{k.name:{width}}  {k.summary}{_taken(k)}" for k in KINDS.values()]
+        parser.exit(DONE, "\n".join(lines) + "\n")
+
+
+def _taken(kind: FigureKind) -> str:
+    if not kind.one_order:
+        return "; --axis" if kind.one_axis else ""
+    return "; --axis, --order K" if kind.one_axis else "; both axes, or --axis, --order K"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "kind", choices=KINDS, metavar="KIND", help=f"what to draw: {', '.join(KINDS)}"
+    )
+    parser.add_argument(
+        "--list", action=_ListKinds, nargs=0, help="say what each kind shows, and end"
+    )
+    parser.add_argument("--axis", choices=("r", "c"), help="which pixel axis")
+    parser.add_argument("--order", type=int, metavar="K", help="which order (the recommended one)")
+    parser.add_argument(
+        "--orders",
+        type=shared.orders,
+        default="1-5",
+        metavar="K-L",
+        help="orders to compare, such as 1-5 or 1,3,5 (1-5)",
+    )
+    shared.add_points(parser)
+    shared.add_model(parser)
+    output = parser.add_argument_group("output")
+    output.add_argument(
+        "--out", required=True, metavar="FILE", help="the figure: .png, .svg or .pdf"
+    )
+    output.add_argument("--force", action="store_true", help="replace an existing file")
+    output.add_argument("--quiet", action="store_true", help="don't say what is to be seen")
+    output.add_argument(
+        "--progress",
+        action=argparse.BooleanOptionalAction,
+        help="progress bar (on a terminal, after a second)",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Compare or reopen, draw, write; return the exit code."""
+    from bayescal.files import check_free, write_whole
+
+    kind, path = KINDS[options.kind], Path(options.out)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError(f"{path}: a figure is written as {', '.join(SUFFIXES)}; name it so")
+    check_free(path, force=options.force)
+    reopened = shared.is_run(options)
+    if not reopened:
+        _check(kind, options)
+    result = _reopened(kind, options) if reopened else _compared(kind, options)
+    figure = kind.draw(result, options.axis, options.order)
+    from bayescal.report.figures.style import figure_bytes
+
+    write_whole(path, figure_bytes(figure, suffix[1:]), force=options.force)
+    if not options.quiet:
+        print(f"{path}: {kind.alt_text(result, options.axis, options.order)}")
+    return exit_code(result)
+
+
+def _check(kind: FigureKind, options: argparse.Namespace) -> None:
+    """Refuse, before anything is sampled, what can't be drawn.
+
+    Raises
+    ------
+    InputError
+    """
+    if options.order is not None and not kind.one_order:
+        raise InputError(f"{kind.name} shows every order; leave out --order")
+    if options.axis is None and (kind.one_axis or options.order is not None):
+        raise InputError(f"{kind.name} needs an axis here; add --axis r or --axis c")
+    if options.order is not None and options.order not in options.orders:
+        raise InputError(f"order {options.order} is not among --orders; name it there too")
+
+
+def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
+    from bayescal.api import compare
+
+    points = shared.points(options)
+    models = len(options.orders) * (2 if options.axis is None else 1)
+    with shared.Progress(options, models) as progress:
+        return compare(
+            points,
+            options.orders,
+            axis=options.axis or "both",
+            defend=kind.needs_defence,
+            progress=progress,
+            **shared.settings(options),
+        )
+
+
+def _reopened(kind: FigureKind, options: argparse.Namespace) -> Comparison:
+    from bayescal.report.reopen import open_run
+
+    return open_run(options.points, defend=kind.needs_defence)

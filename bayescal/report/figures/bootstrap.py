@@ -1,0 +1,62 @@
+"""How often each order wins over resamples, and whether orders beyond would."""
+
+from __future__ import annotations
+
+from matplotlib.figure import Figure
+
+from bayescal.comparison.results import AxisComparison
+from bayescal.comparison.verdict import percent
+from bayescal.errors import InputError
+from bayescal.report.figures.style import BLUE, ORANGE, PALE, WIDTH
+from bayescal.report.figures.subject import Subject
+
+
+def draw(subject: Subject) -> Figure:
+    """Draw bars per order: share of resamples won, and probability with orders beyond."""
+    axis = subject.axis
+    series = _series(axis)
+    orders = list(_beyond(axis))
+    figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+    panel = figure.subplots()
+    width = 0.8 / len(series)
+    for place, ((label, shares), colour) in enumerate(
+        zip(series.items(), (BLUE, ORANGE, PALE)[-len(series) :], strict=True)
+    ):
+        shift = (place - (len(series) - 1) / 2) * width
+        known = [k for k in orders if k in shares]
+        heights = [100 * shares[k] for k in known]
+        panel.bar([k + shift for k in known], heights, width=width, color=colour, label=label)
+    compared = [r.order for r in axis.orders]
+    beyond = [k for k in orders if k > compared[-1]]
+    panel.set_xticks(orders, [f"{k}\nbeyond" if k in beyond else str(k) for k in orders])
+    panel.set_ylim(0, 104)
+    panel.set_xlabel(f"order of {axis.data.axis}({axis.data.regressor})")
+    panel.set_ylabel("share, probability [%]")
+    panel.set_title(f"{axis.data.axis}: which order wins with other points", loc="left")
+    panel.tick_params(axis="x", length=0)
+    figure.legend(loc="outside lower center", ncols=3)
+    return figure
+
+
+def _beyond(axis: AxisComparison) -> dict[int, float]:
+    """Probability of every order, compared and beyond."""
+    if axis.defence is None or axis.defence.beyond is None:
+        raise InputError("bootstrap needs evidence, and a flat prior has none")
+    return axis.defence.beyond.probability
+
+
+def _series(axis: AxisComparison) -> dict[str, dict[int, float]]:
+    """Shares by order, under what they are of."""
+    beyond = _beyond(axis)
+    resampled = axis.defence.resampled if axis.defence is not None else ()
+    series = {f"wins with {b.unit}s resampled": b.share for b in resampled}
+    return {**series, "probability with orders beyond": beyond}
+
+
+def alt_text(subject: Subject) -> str:
+    """Say every share."""
+    parts = []
+    for label, shares in _series(subject.axis).items():
+        values = ", ".join(f"order {k} {percent(share)}" for k, share in shares.items())
+        parts.append(f"{label[0].upper()}{label[1:]}: {values}.")
+    return f"Bars of {subject.axis.data.axis} by order. {' '.join(parts)}"
