@@ -42,7 +42,7 @@ class Normal:
 
     @property
     def log_volume(self) -> float:
-        """ln of the integral of the normal, unnormalised: 1 at its mean."""
+        """Log of the integral of the normal, unnormalised: 1 at its mean."""
         return len(self.mean) / 2 * LOG_2PI + float(np.log(np.diag(self.root)).sum())
 
 

@@ -8,24 +8,19 @@ approximations, weighted by their masses, with a broad defensive component.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from scipy.special import logsumexp
 
 from bayescal.arrays import Array
 from bayescal.inference.optimum import Mode
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_laplace import laplace
-from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.models.priors import TAU_BOUNDS
 
-RUNGS = 10  # of the ladder of tau
-DOF, BROAD_DOF = 25.0, 3.0
-INFLATED = 1.05  # over the Laplace approximation, in deviations
-BROAD, DEFENSIVE = 2.0, 0.05
-NEGLIGIBLE = 1e-5  # share of a component that is left out
+RUNGS = 10
 
 
 def ladder(model: PinholeModel) -> tuple[tuple[Mode, ...], Array]:
@@ -45,7 +40,8 @@ def ladder(model: PinholeModel) -> tuple[tuple[Mode, ...], Array]:
     """
     prior, frame = model.prior, model.frame
     if model.infers_tau:
-        edges = np.linspace(*np.log(TAU_BOUNDS), RUNGS + 1)
+        low, high = (math.log(bound) for bound in TAU_BOUNDS)
+        edges = np.linspace(low, high, RUNGS + 1)
         rungs = np.exp((edges[1:] + edges[:-1]) / 2).tolist()
     else:
         rungs = [prior.tau if prior.tau is not None else 1.0]
@@ -58,30 +54,3 @@ def ladder(model: PinholeModel) -> tuple[tuple[Mode, ...], Array]:
         modes.append(Mode(theta, float(fixed.log_prob(theta[None])[0]), root))
         start = found.mean
     return tuple(modes), np.array([m.log_mass for m in modes]) - np.log(len(rungs))
-
-
-def pinhole_proposal(modes: tuple[Mode, ...], log_mass: Array) -> TMixture:
-    """Mixture of t about the modes of a ladder, and a broad one about them all.
-
-    Parameters
-    ----------
-    modes : tuple of Mode
-        At least one.
-    log_mass : Array
-        ``(n_modes,)``.
-    """
-    shares = np.exp(log_mass - logsumexp(log_mass))
-    kept = np.flatnonzero(shares > NEGLIGIBLE)
-    shares = shares[kept] / shares[kept].sum()
-    means = np.array([modes[k].theta for k in kept])
-    roots = np.array([modes[k].root for k in kept])
-    centre = shares @ means
-    within = np.einsum("k,kij,klj->il", shares, roots, roots)
-    between = np.einsum("k,ki,kj->ij", shares, means - centre, means - centre)
-    broad = BROAD * cholesky(within + between)
-    return TMixture(
-        np.append((1 - DEFENSIVE) * shares, DEFENSIVE),
-        np.concatenate([means, centre[None]]),
-        np.concatenate([INFLATED * roots, broad[None]]),
-        np.append(np.full(len(kept), DOF), BROAD_DOF),
-    )

@@ -11,7 +11,7 @@ from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.inference.strength import Strength
+from bayescal.models.strength import Strength
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.gaussian import LOG_2PI
 from bayescal.models.noise.level import NoiseLevel

@@ -79,7 +79,11 @@ class SampledPosterior:
 
 
 def sample_model(
-    model: SampledModel, rng: np.random.Generator, ess: int, guess: Guess | None = None
+    model: SampledModel,
+    rng: np.random.Generator,
+    ess: int,
+    guess: Guess | None = None,
+    evidence_draws: int = EVIDENCE_DRAWS,
 ) -> SampledPosterior:
     """Sample a model's posterior with emcee and estimate its evidence.
 
@@ -92,6 +96,8 @@ def sample_model(
     guess : tuple of TMixture and modes, optional
         A proposal that knows the model's shape, with the modes it comes from; by default
         one is adapted to the density.
+    evidence_draws : int, optional
+        Draws of the proposal that the evidence is taken from.
 
     Returns
     -------
@@ -126,7 +132,7 @@ def sample_model(
         for_chains,
         ess,
     )
-    fresh = proposal.draw(for_evidence, EVIDENCE_DRAWS)
+    fresh = proposal.draw(for_evidence, evidence_draws)
     log_weights = model.log_prob(fresh) - proposal.log_density(fresh)
     theta = chain.theta.reshape(-1, model.dimension)
     effective = min(min(d.ess_bulk, d.ess_tail) for d in chain.diagnostics)
