@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -20,47 +20,16 @@ from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.comparison.verdict import judge
 from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
 from bayescal.inference.model import LinearModel
-from bayescal.inference.posterior import Posterior, sample_posterior
+from bayescal.inference.posterior import Posterior
 from bayescal.models import separable
 from bayescal.models.linear import AxisData
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.groups import Groups, groups_of
 from bayescal.points.setup import AXES, StatedPrior
 from bayescal.settings import Settings, check_resolved, noise_level, prior_rule
+from bayescal.sources import Computed, Source
 
 Progress: TypeAlias = Callable[[str, int], None]
-
-
-class Source(Protocol):
-    """Where what takes long comes from: computed now, or read from a run that kept it."""
-
-    def posterior(
-        self, name: str, model: LinearModel, rng: np.random.Generator, ess: int
-    ) -> Posterior:
-        """Posterior of a model; `name`, such as ``"r-order-4"``, is its own in the comparison."""
-        ...
-
-    def wins(self, axis: str, unit: str) -> dict[int, float] | None:
-        """Share of bootstrap resamples of an axis each order won; None where not yet known."""
-        ...
-
-
-class Computed:
-    """Everything computed now; models are sampled with emcee."""
-
-    def posterior(
-        self,
-        name: str,  # noqa: ARG002 - for those who keep draws by name
-        model: LinearModel,
-        rng: np.random.Generator,
-        ess: int,
-    ) -> Posterior:
-        """Sample a model."""
-        return sample_posterior(model, rng, ess)
-
-    def wins(self, axis: str, unit: str) -> None:  # noqa: ARG002
-        """Know nothing yet."""
-        return
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +128,13 @@ def _compare_axis(
     priors = {k: rule.of_order(k) for k in orders}
     fits = {k: solve(factors, k, noise.value) for k in orders}
     check_resolved(data, noise, fits[orders[-1]])
+    if settings.choice.robust:
+        from bayescal.robust_analysis import compare_robustly
+
+        level = (data, noise, noise_source)
+        return compare_robustly(
+            level, rule, fits, settings, partial(_rng, settings, task), source, progress
+        )
     replicates = pure_error(data.x, task.other, data.t, data.sd)
     reference = reference_sigma(noise, fits[orders[-1]], replicates)
     models = {k: LinearModel(factors, k, noise, priors[k], data.symbol) for k in orders}
@@ -223,10 +199,11 @@ def _defended(
     from bayescal.comparison.adequacy.outcome import concerns
     from bayescal.comparison.argument import argue
     from bayescal.comparison.defence import defend
+    from bayescal.comparison.noise_evidence import about_noise, with_noises
     from bayescal.comparison.world_units import world_units
 
     data, verdict, chosen = plain.data, plain.verdict, plain.chosen
-    posteriors = {r.order: r.posterior for r in plain.orders}
+    posteriors = {r.order: r.posterior for r in plain.orders if isinstance(r.posterior, Posterior)}
     defence = defend(
         data,
         models,
@@ -249,7 +226,9 @@ def _defended(
         draws.reshape(-1, draws.shape[2]),
         rng,
     )
+    defence = with_noises(plain, defence, source.noises(data.axis), rng)
     argued = argue(verdict, defence, {r.order: r.criteria for r in plain.orders}, data.size)
+    argued = about_noise(argued, plain, defence)
     argued = replace(argued, caveats=(*argued.caveats, *concerns(tests)))
     camera = task.camera if data.x_sd is None else None  # stated errors need no such hint
     units = () if camera is None else world_units(data, chosen.fit, camera)
@@ -262,7 +241,7 @@ def _probabilities(
     """Probability and log evidence by order; None where the prior has no evidence."""
     evidences = {}
     for k, posterior in posteriors.items():
-        value = posterior.exact.log_evidence
+        value = posterior.log_evidence
         if value is None:
             return None, None
         evidences[k] = value

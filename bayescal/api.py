@@ -26,6 +26,9 @@ def compare(
     sigma: float | str | None = None,
     prior: str | None = None,
     tau: float | None = None,
+    noise: str = "gaussian",
+    nu: float | None = None,
+    bad_offset: bool = False,
     seed: int = 0,
     ess: int = DEFAULT_ESS,
     defend: bool = False,
@@ -50,6 +53,13 @@ def compare(
     tau : float, optional
         Fixes the strength of the non-linearity of the field prior, as a fraction
         of the image; by default it is inferred.
+    noise : str, optional
+        ``"gaussian"``, ``"student-t"`` (heavy tails) or ``"outlier-mixture"`` (good and
+        bad points); the latter two are sampled without a closed form, which takes longer.
+    nu : float, optional
+        Fixes the degrees of freedom of Student-t noise; by default they are inferred.
+    bad_offset : bool, optional
+        Infer an offset of the mixture's bad points; by default it is zero.
     seed : int, optional
         Of all randomness.
     ess : int, optional
@@ -70,7 +80,7 @@ def compare(
         Where the points can't determine an order, or a setting is not usable.
     """
     wanted = checked_orders(orders)
-    settings = Settings(sigma, prior, tau, seed, ess, defend)
+    settings = Settings(sigma, prior, tau, seed, ess, defend, noise, nu, bad_offset)
     return analyse_points(points, dict.fromkeys(axis_names(axis), wanted), settings, progress)
 
 
@@ -82,6 +92,9 @@ def fit(
     sigma: float | str | None = None,
     prior: str | None = None,
     tau: float | None = None,
+    noise: str = "gaussian",
+    nu: float | None = None,
+    bad_offset: bool = False,
     seed: int = 0,
     ess: int = DEFAULT_ESS,
     progress: Progress | None = None,
@@ -93,7 +106,7 @@ def fit(
     points : Correspondences
     order_r, order_c : int, optional
         Polynomial degrees; an axis without one is left out.
-    sigma, prior, tau, seed, ess, progress
+    sigma, prior, tau, noise, nu, bad_offset, seed, ess, progress
         As in `compare`.
 
     Returns
@@ -108,7 +121,8 @@ def fit(
     orders = {a: checked_orders([k]) for a, k in (("r", order_r), ("c", order_c)) if k is not None}
     if not orders:
         raise InputError("give the order of r, of c or of both")
-    return analyse_points(points, orders, Settings(sigma, prior, tau, seed, ess), progress)
+    settings = Settings(sigma, prior, tau, seed, ess, False, noise, nu, bad_offset)
+    return analyse_points(points, orders, settings, progress)
 
 
 def compare_polynomials(

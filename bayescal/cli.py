@@ -13,13 +13,14 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from bayescal import __version__
-from bayescal.commands import compare, fit, plot, reproduce, simulate
+from bayescal.commands import compare, fit, outliers, plot, reproduce, simulate
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.errors import BayescalError
 
 COMMANDS = {
     "compare": compare,
     "fit": fit,
+    "outliers": outliers,
     "plot": plot,
     "reproduce": reproduce,
     "simulate": simulate,
@@ -49,7 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     -------
     int
         0 done; 2 bad usage or bad input; 3 done, but the draws did not converge
-        or disagree with the closed form.
+        or disagree with the closed form, or an evidence should not be trusted.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     _prepare_streams()
@@ -113,7 +114,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Bayesian uncertainty analysis for camera calibration: "
         "compares polynomial orders of the world-to-pixel map, so that the choice can be defended.",
         epilog="exit codes: 0 done; 2 bad usage or input, nothing written; 3 done, but the draws "
-        "did not converge or disagree with the closed form",
+        "did not converge or disagree with the closed form, or an evidence should not be trusted",
     )
     parser.add_argument("--version", action="version", version=f"bayescal {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)

@@ -15,8 +15,8 @@ from bayescal.errors import InputError
 from bayescal.inference.effective_variance import with_effective_deviations
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.models.linear import AxisData
-from bayescal.models.noise.choice import NoiseChoice
-from bayescal.models.noise.level import SIGMA_BOUNDS, SPAN_BOUNDS, NoiseLevel
+from bayescal.models.noise.choice import TYPICAL_SIZE, NoiseChoice
+from bayescal.models.noise.level import SPAN_BOUNDS, NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
 from bayescal.points.setup import LARGEST_PX, SMALLEST_PX, StatedPrior
@@ -98,10 +98,8 @@ class Settings:
         return NoiseChoice(self.noise, self.nu, self.bad_offset)
 
     def noise_model(self, data: AxisData) -> NoiseModel:
-        """Make the noise model of an axis; a generic y has its span over 1920 for a pixel."""
-        return self.choice.model(
-            data.size * SPAN_BOUNDS[1] / SIGMA_BOUNDS[1] if data.axis == "y" else 1.0
-        )
+        """Make the noise model of an axis."""
+        return self.choice.model(data.size / TYPICAL_SIZE if data.axis == "y" else 1.0)
 
 
 def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:

@@ -38,8 +38,8 @@ def add_points(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_model(parser: argparse.ArgumentParser) -> None:
-    """Add noise level, prior, seed and sampling effort."""
+def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> None:
+    """Add noise, prior, seed and sampling effort; the latter where `one_noise` is compared."""
     model = parser.add_argument_group("model")
     model.add_argument(
         "--sigma",
@@ -59,10 +59,33 @@ def add_model(parser: argparse.ArgumentParser) -> None:
         metavar="T",
         help="fix the strength of the non-linearity, a fraction of the image (inferred)",
     )
+    _add_noise(parser, choose=one_noise)
     run = parser.add_argument_group("run")
     run.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
-    run.add_argument(
-        "--ess", type=int, default=4000, metavar="N", help="effective samples wanted (4000)"
+    if one_noise:
+        run.add_argument(
+            "--ess", type=int, default=4000, metavar="N", help="effective samples wanted (4000)"
+        )
+
+
+def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
+    """Add the noise model (where one is chosen) and the options of each."""
+    noise = parser.add_argument_group("noise")
+    if choose:
+        noise.add_argument(
+            "--noise",
+            choices=("gaussian", "student-t", "outlier-mixture"),
+            default="gaussian",
+            help="shape of the noise: gaussian; student-t has heavy tails; outlier-mixture has "
+            "good and bad points (gaussian; the others take longer)",
+        )
+    noise.add_argument(
+        "--nu", type=float, metavar="N", help="fix the degrees of freedom of student-t (inferred)"
+    )
+    noise.add_argument(
+        "--bad-offset",
+        action="store_true",
+        help="let the bad points of outlier-mixture be off to one side (spread about the good)",
     )
 
 
@@ -149,7 +172,8 @@ def is_run(options: argparse.Namespace) -> bool:
 
 def settings(options: argparse.Namespace) -> dict[str, Any]:
     """Collect the keyword arguments of an analysis."""
-    return {name: getattr(options, name) for name in ("sigma", "prior", "tau", "seed", "ess")}
+    names = ("sigma", "prior", "tau", "seed", "ess", "noise", "nu", "bad_offset")
+    return {name: getattr(options, name) for name in names}
 
 
 class Progress:
@@ -167,8 +191,12 @@ class Progress:
 
     def __call__(self, axis: str, order: int) -> None:
         """Count one model more, now being sampled."""
+        self.named(f"{axis}, order {order}")
+
+    def named(self, what: str) -> None:
+        """Count one thing more, now being sampled, by its name."""
         if self._bar is not None:
-            self._bar.set_description(f"sampling {axis}, order {order}", refresh=False)
+            self._bar.set_description(f"sampling {what}", refresh=False)
             self._bar.update()
 
     def __enter__(self) -> Progress:

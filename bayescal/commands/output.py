@@ -20,14 +20,18 @@ RUN_HELP = "write a run: result.json, draws (NetCDF), corner plots"
 
 
 def add_output(
-    parser: argparse.ArgumentParser, folder_help: str = RUN_HELP, *, progress: bool = True
+    parser: argparse.ArgumentParser,
+    folder_help: str | None = RUN_HELP,
+    *,
+    progress: bool = True,
 ) -> None:
-    """Add where results go, and whether a progress bar can be had."""
+    """Add where results go (no folder without its help), and whether a progress bar is had."""
     output = parser.add_argument_group("output")
     output.add_argument(
         "--json", metavar="FILE|-", help="write the result document; - prints it instead of tables"
     )
-    output.add_argument("--out", metavar="DIR", help=folder_help)
+    if folder_help is not None:
+        output.add_argument("--out", metavar="DIR", help=folder_help)
     output.add_argument("--force", action="store_true", help="replace existing output")
     output.add_argument("--quiet", action="store_true", help="print no tables")
     if progress:
@@ -64,7 +68,7 @@ def check_output(options: argparse.Namespace) -> None:
 def publish(
     options: argparse.Namespace,
     text: Callable[[], str],
-    write: Callable[[Path, str], None],
+    write: Callable[[Path, str], None] | None,
     view: Callable[[], Any],
 ) -> None:
     """Write and print whatever was asked for of a result.
@@ -74,15 +78,16 @@ def publish(
     options : argparse.Namespace
     text : callable
         Makes the document's text.
-    write : callable
-        Given a folder's path and that text, writes the folder.
+    write : callable or None
+        Given a folder's path and that text, writes the folder; None where there is none.
     view : callable
         Makes what the terminal shows.
     """
-    if options.json is not None or options.out is not None:
+    folder = None if write is None else options.out
+    if options.json is not None or folder is not None:
         made = text()
-        if options.out is not None:
-            write(Path(options.out), made)
+        if write is not None and folder is not None:
+            write(Path(folder), made)
         if options.json == "-":
             sys.stdout.write(made)
         elif options.json is not None:
@@ -116,11 +121,17 @@ def deliver(
 
 
 def exit_code(result: Comparison) -> int:
-    """Say where draws can't be trusted, and give the exit code."""
-    if result.sound:
+    """Say where draws or an evidence can't be trusted, and give the exit code."""
+    return code_of(sound=result.sound)
+
+
+def code_of(*, sound: bool) -> int:
+    """Give the exit code of a result, and say why where it is not 0."""
+    if sound:
         return DONE
     print(
-        "bayescal: some draws did not converge or disagree with the closed form (exit code 3)",
+        "bayescal: some draws did not converge or disagree with the closed form, or an evidence "
+        "should not be trusted (exit code 3)",
         file=sys.stderr,
     )
     return NOT_SOUND

@@ -35,7 +35,8 @@ class _ListKinds(argparse.Action):
     ) -> None:
         width = max(map(len, KINDS))
         lines = [f"{k.name:{width}}  {k.summary}{_taken(k)}" for k in KINDS.values()]
-        parser.exit(DONE, "\n".join(lines) + "\n")
+        print("\n".join(lines))
+        parser.exit(DONE)
 
 
 def _taken(kind: FigureKind) -> str:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out, paired_difference
+from bayescal.comparison.psis import good_k, thinned
 from bayescal.comparison.sensitivity import TauSensitivity, tau_sensitivity
 from bayescal.comparison.stability import (
     Beyond,
@@ -29,10 +30,8 @@ from bayescal.models.linear import AxisData
 from bayescal.models.priors import PriorRule
 from bayescal.points.groups import Groups
 
-# Log densities held at once by the check of leave-one-out from the draws.
-PSIS_NUMBERS = 20_000_000
-PSIS_DRAWS = 400
-GOOD_K = 0.7
+if TYPE_CHECKING:
+    from bayescal.comparison.noise_evidence import NoiseEvidence
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,6 +111,8 @@ class Defence:
     beyond : Beyond or None
     worth : tuple of Worth
         Of every other plausible order.
+    noises : tuple of NoiseEvidence
+        Evidence of the recommended order under the other noise models.
     """
 
     prediction: dict[int, Prediction]
@@ -122,6 +123,7 @@ class Defence:
     resampled: tuple[Bootstrap, ...]
     beyond: Beyond | None
     worth: tuple[Worth, ...]
+    noises: tuple[NoiseEvidence, ...] = ()
 
 
 def defend(
@@ -215,7 +217,7 @@ def _predictions(
             continue
         elpd, mcse, pareto_k, draws = psis
         sound = bool(np.isfinite(elpd).all() and np.isfinite(mcse).all())
-        limit = min(1 - 1 / math.log10(draws), GOOD_K)
+        limit = good_k(draws)
         shape = np.where(np.isfinite(pareto_k), pareto_k, np.inf)
         worst = [int(i) for i in np.argsort(-shape, kind="stable") if shape[i] >= limit]
         out[k] = Prediction(
@@ -235,11 +237,9 @@ def _predictions(
 def _psis(data: AxisData, posterior: Posterior) -> tuple[Array, Array, Array, int] | None:
     """Leave-one-out from the draws, and their number; None where they'd be too few."""
     model = posterior.exact.model
-    theta = posterior.chain.theta.reshape(-1, model.dimension)
-    room = PSIS_NUMBERS // len(data)
-    if room < PSIS_DRAWS:
+    theta = thinned(posterior.chain.theta.reshape(-1, model.dimension), len(data))
+    if theta is None:
         return None
-    theta = theta[:: -(-len(theta) // room)]
     design = legendre_design(data.domain.scale(data.x), model.order)
     sd = data.sd if data.sd is not None else np.ones(len(data))
     if model.infers_sigma:

@@ -18,7 +18,8 @@ class ReferenceSigma:
     Attributes
     ----------
     source : str
-        ``"known"``, ``"replicates"`` or ``"highest-order"``.
+        ``"known"``, ``"replicates"``, ``"highest-order"``, or ``"none"`` where the noise
+        is not Gaussian and chi-squared has no meaning.
     value : float or None
         px (a factor where the points have deviations); None where there is no residual
         to take it from.

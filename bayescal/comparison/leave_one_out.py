@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,15 @@ EDGE = 22.0
 DETERMINED = 1e-7
 # Numbers held at once: points times nodes.
 CHUNK = 4_000_000
+
+
+class Pointwise(Protocol):
+    """What a difference of two leave-one-outs needs, however each was had."""
+
+    @property
+    def pointwise(self) -> Array:
+        """Terms of elpd, ``(n_units,)``."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +163,7 @@ def _refitted(data: AxisData, exact: ExactPosterior, points: IntArray) -> Array:
     return log_evidences(sets.reduced(model.order), model.noise, model.prior, FINE)
 
 
-def paired_difference(one: LeaveOneOut, other: LeaveOneOut) -> tuple[float, float]:
+def paired_difference(one: Pointwise, other: Pointwise) -> tuple[float, float]:
     """Difference of elpd, `one` less `other`, and its paired standard error."""
     difference = one.pointwise - other.pointwise
     n = len(difference)

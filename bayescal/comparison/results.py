@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
 from bayescal.comparison.verdict import AxisVerdict, percent
-from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.closed_form import ExactPosterior
+from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.posterior import Posterior
 from bayescal.markup import bullets, table
 from bayescal.models.linear import AxisData
-from bayescal.models.noise.gaussian import Gaussian
+from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
@@ -75,8 +75,9 @@ class OrderResult:
 
     @property
     def sound(self) -> bool:
-        """Whether the draws converged and agree with the closed form or, without one, whether
-        the evidence can be trusted.
+        """Whether the draws converged and agree with the closed form.
+
+        Without a closed form: whether they converged and the evidence can be trusted.
         """
         posterior = self.posterior
         checked = (
@@ -132,7 +133,7 @@ class AxisComparison:
     defence: Defence | None = None
     adequacy: tuple[AdequacyTest, ...] = ()
     world_units: tuple[WorldUnit, ...] = ()
-    noise_model: NoiseModel = Gaussian()
+    noise_model: NoiseModel = GAUSSIAN
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:

@@ -12,7 +12,7 @@ from bayescal.comparison.evidence import probabilities
 from bayescal.errors import InputError
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.evidence import log_evidences
-from bayescal.inference.least_squares import factorise
+from bayescal.inference.least_squares import Factorisation, factorise
 from bayescal.inference.model import LinearModel
 from bayescal.inference.quadrature import COARSE, FINE
 from bayescal.inference.reweighting import Rows
@@ -203,25 +203,51 @@ def beyond(
     noise : NoiseLevel
     rule : PriorRule
     """
-    highest = max(log_evidence)
-    limit = min(distinct_values(data.x), len(data)) - 1
-    if rule.stated is not None and rule.name == "stated":
-        limit = min(limit, len(rule.stated.mean) - 1)
-    more = range(highest + 1, min(highest + BEYOND, limit) + 1)
+    more, factors = orders_beyond(data, max(log_evidence), rule)
     evidence = dict(log_evidence)
-    factors = None
-    while more and factors is None:
-        try:
-            factors = factorise(data, more[-1])
-        except InputError:  # these points don't determine it
-            more = more[:-1]
     if factors is not None:
         for k in more:
             model = LinearModel(factors, k, noise, rule.of_order(k), data.symbol)
             evidence[k] = exact_posterior(model).log_integral
-    chance = dict(zip(evidence, probabilities(list(evidence.values())), strict=True))
+    return beyond_of(evidence, more)
+
+
+def orders_beyond(
+    data: AxisData, highest: int, rule: PriorRule
+) -> tuple[tuple[int, ...], Factorisation | None]:
+    """Find the orders above the compared range that these points determine, up to three.
+
+    Returns
+    -------
+    orders : tuple of int
+    factors : Factorisation or None
+        At the highest of them; None where there is none.
+    """
+    limit = min(distinct_values(data.x), len(data)) - 1
+    if rule.stated is not None and rule.name == "stated":
+        limit = min(limit, len(rule.stated.mean) - 1)
+    more = range(highest + 1, min(highest + BEYOND, limit) + 1)
+    while more:
+        try:
+            return tuple(more), factorise(data, more[-1])
+        except InputError:  # these points don't determine it
+            more = more[:-1]
+    return (), None
+
+
+def beyond_of(log_evidence: Mapping[int, float], more: tuple[int, ...]) -> Beyond:
+    """Say which order wins with the orders beyond compared too.
+
+    Parameters
+    ----------
+    log_evidence : mapping of int to float
+        Of every order, compared and beyond.
+    more : tuple of int
+        Those beyond.
+    """
+    chance = dict(zip(log_evidence, probabilities(list(log_evidence.values())), strict=True))
     best = max(chance, key=lambda k: (chance[k], -k))
-    return Beyond(chance, best if best > highest else None, tuple(more))
+    return Beyond(chance, best if best in more else None, more)
 
 
 def joint_probabilities(first: Mapping[int, float], second: Mapping[int, float]) -> Array:

@@ -64,7 +64,7 @@ def judge(
     probability, log_evidence : mapping of int to float or None
         By order; None under a flat prior.
     criteria : mapping of int to Criteria
-        By order.
+        By order; empty where there are none, the noise not being Gaussian.
     caveats : sequence of str
         What the comparison can't vouch for.
 
@@ -88,7 +88,7 @@ def judge(
     words = strength(log_factor) if log_factor is not None else None
     text = _text(order, probability, plausible, log_factor, words)
     agree = aicc_order == bic_order == order
-    if len(criteria) == 1:
+    if len(criteria) <= 1:
         pass
     elif agree:
         text += f" {aic_name} and BIC agree."
@@ -151,7 +151,7 @@ def _preferred_aic(criteria: Mapping[int, Criteria]) -> tuple[str, int | None]:
 
 def _smallest(values: Mapping[int, float | None]) -> int | None:
     known = {k: v for k, v in values.items() if v is not None}
-    if len(known) < len(values):  # an exact fit: nothing to weigh
+    if not known or len(known) < len(values):  # an exact fit: nothing to weigh
         return None
     return min(known, key=lambda k: (known[k], k))
 

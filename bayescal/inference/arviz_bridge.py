@@ -46,12 +46,25 @@ def diagnose(draws: Array) -> Diagnostics:
         return float(value)
 
     return Diagnostics(
-        float(array_stats.rhat(draws, chain_axis=0, draw_axis=1)),
+        rhat(draws),
         ess("bulk"),
         ess("tail", prob=0.95),
         ess("mean"),
         ess("sd"),
     )
+
+
+def rhat(draws: Array) -> float:
+    """Rank-normalised split R-hat of one parameter.
+
+    Parameters
+    ----------
+    draws : Array
+        ``(n_chains, n_draws)``.
+    """
+    from arviz_stats.base import array_stats
+
+    return float(array_stats.rhat(draws, chain_axis=0, draw_axis=1))
 
 
 def autocovariance(draws: Array) -> Array:

@@ -16,7 +16,7 @@ from bayescal.inference.closed_form import ExactPosterior
 # Nodes that hold less than this probability, shared among all, can't be seen.
 UNSEEN = 1e-5
 REACH = 4.5  # standard deviations, shown on either side of a coefficient's mean
-PLACES = 81
+PLACES = 61
 BLOCK = 8
 LARGEST_CORRELATION = 1 - 1e-12
 

@@ -1,7 +1,7 @@
 """Several independent ensembles of emcee for posteriors without a closed form.
 
 Most steps are independence Metropolis from an adapted heavy-tailed proposal, whose
-walkers don't interact; every tenth is a differential-evolution move (ter Braak 2006,
+walkers don't interact; every twentieth is a differential-evolution move (ter Braak 2006,
 Stat. Comput. 16, 239), which goes where the proposal is too thin.
 """
 
@@ -23,18 +23,19 @@ from bayescal.inference.sampling import (
     BURN_IN,
     MAX_EXTENSIONS,
     Chain,
+    further_steps,
     judged,
 )
 
 ENSEMBLES = 4
 WALKERS = 16  # of each, or twice the dimension, which a differential move needs
 MIN_STEPS = 120
-EVERY = 10  # steps from one differential move to the next
+EVERY = 20  # steps from one differential move to the next
 SPARE = 1.8  # draws per effective sample to begin with
 
 
 class AlternatingMove(Move):
-    """Independence Metropolis, and every tenth step a differential-evolution move.
+    """Independence Metropolis, and every twentieth step a differential-evolution move.
 
     A fixed cycle of moves that each leave the posterior invariant leaves it invariant
     (Tierney 1994, Ann. Statist. 22, 2.4), and needs no random choice between them.
@@ -105,7 +106,7 @@ def sample_ensembles(
         )
         if chain.converged or extension == MAX_EXTENSIONS:
             break
-        steps = chain.draws.shape[1]
+        steps = further_steps(chain, ess)
     return chain, full.reshape(*shape, -1)
 
 

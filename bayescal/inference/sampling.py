@@ -11,7 +11,7 @@ import numpy as np
 from emcee.autocorr import auto_window
 
 from bayescal.arrays import Array
-from bayescal.inference.arviz_bridge import Diagnostics, autocovariance, diagnose
+from bayescal.inference.arviz_bridge import Diagnostics, autocovariance, diagnose, rhat
 from bayescal.inference.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposal import Proposal
@@ -22,7 +22,7 @@ SPARE = 1.12  # draws per effective sample wanted; independence sampling needs a
 BURN_IN = 6  # steps; the walkers start from the proposal, which is nearly the posterior
 RHAT_LIMIT = 1.01
 TAU_STEPS = 50  # autocorrelation times that a chain must be long (emcee's rule)
-MAX_EXTENSIONS = 4  # each doubles the steps
+MAX_EXTENSIONS = 4  # each at most doubles the steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def sample(
 
     The rule: bulk and tail ESS of every parameter at least `ess`, rank-normalised
     split R-hat below 1.01, more than 50 autocorrelation times of steps. Where it is
-    not met the chain is doubled, four times at most.
+    not met the chain goes on, four times at most (`further_steps`).
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def sample(
         chain = _collect(sampler, whitening, report, ess)
         if chain.converged or extension == MAX_EXTENSIONS:
             break
-        steps = chain.draws.shape[1]
+        steps = further_steps(chain, ess)
     return chain
 
 
@@ -152,8 +152,7 @@ def judged(
         walkers = draws.reshape(ensembles, -1, *draws.shape[1:])
         merged = walkers.swapaxes(1, 2).reshape(ensembles, -1, draws.shape[2])
         diagnostics = tuple(
-            found._replace(rhat=diagnose(merged[:, :, j]).rhat)
-            for j, found in enumerate(diagnostics)
+            found._replace(rhat=rhat(merged[:, :, j])) for j, found in enumerate(diagnostics)
         )
     time = max(autocorrelation_time(draws[:, :, j]) for j in columns)
     enough = min(min(d.ess_bulk, d.ess_tail) for d in diagnostics) >= ess
@@ -162,6 +161,23 @@ def judged(
     return Chain(
         draws, theta, log_prob, diagnostics, acceptance, time, bool(enough and mixed and long)
     )
+
+
+def further_steps(chain: Chain, ess: int) -> int:
+    """Say by how many steps a chain must go on: as many again, or fewer if ESS is nearly enough.
+
+    Parameters
+    ----------
+    chain : Chain
+        Not converged.
+    ess : int
+        Effective samples wanted of every parameter.
+    """
+    steps = len(chain.draws[0])
+    found = min(min(d.ess_bulk, d.ess_tail) for d in chain.diagnostics)
+    if not found < ess:  # R-hat or the length is what falls short, or nothing moved
+        return steps
+    return math.ceil(steps * min(max(1.1 * ess / found - 1, 0.25), 1.0))
 
 
 def autocorrelation_time(chains: Array) -> float:

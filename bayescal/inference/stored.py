@@ -9,9 +9,16 @@ the other.
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 
 from bayescal.inference.arviz_bridge import Diagnostics, Draws
+from bayescal.inference.estimate import EvidenceEstimate
+from bayescal.inference.optimum import Mode
+from bayescal.inference.posterior import summarise
+from bayescal.inference.sampled_model import SampledModel
+from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.sampling import Chain
 
 
@@ -81,3 +88,49 @@ def unpack(draws: Draws, names: tuple[str, ...]) -> Chain:
     if chain.draws.shape[:2] != chain.log_prob.shape or len(chain.diagnostics) != len(names):
         raise ValueError("holds arrays that don't fit together")
     return chain
+
+
+def pack_sampled(posterior: SampledPosterior) -> Draws:
+    """Arrange a posterior without a closed form: its chain, completed draws and evidence.
+
+    Parameters
+    ----------
+    posterior : SampledPosterior
+    """
+    draws = pack(posterior.chain, posterior.names)
+    draws.groups["unconstrained_posterior"]["full"] = posterior.full
+    draws.values["estimate"] = asdict(posterior.estimate)
+    draws.values["modes"] = [
+        {"theta": m.theta.tolist(), "value": m.value, "root": m.root.tolist()}
+        for m in posterior.modes
+    ]
+    return draws
+
+
+def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
+    """Undo `pack_sampled`, to the last bit.
+
+    Parameters
+    ----------
+    draws : Draws
+    model : SampledModel
+        That the draws are of.
+
+    Raises
+    ------
+    ValueError
+        Where the draws are of other parameters, or something is missing.
+    """
+    chain = unpack(draws, model.names)
+    try:
+        stated = draws.values["estimate"]
+        estimate = EvidenceEstimate(**{**stated, "warnings": tuple(stated["warnings"])})
+        modes = tuple(
+            Mode(np.array(m["theta"]), m["value"], np.array(m["root"]))
+            for m in draws.values["modes"]
+        )
+        full = draws.groups["unconstrained_posterior"]["full"]
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"lacks {error}") from None
+    summaries = summarise(model.names, chain)
+    return SampledPosterior(model, chain, full, summaries, estimate, modes)

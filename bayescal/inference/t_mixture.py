@@ -122,7 +122,6 @@ def cholesky(covariance: Array) -> Array:
     correlation = covariance / np.outer(scale, scale)
     values, vectors = np.linalg.eigh((correlation + correlation.T) / 2)
     values = np.maximum(values, 1e-12 * values.max())
-    square = (vectors * np.sqrt(values)) * 1.0
-    triangle = np.linalg.qr(square.T, mode="r")
+    triangle = np.linalg.qr((vectors * np.sqrt(values)).T, mode="r")
     root = triangle.T * np.where(np.diag(triangle) < 0, -1.0, 1.0)
     return np.asarray(scale[:, None] * root)

@@ -7,11 +7,11 @@ from typing import Any
 
 from rich import box
 from rich.console import Group, RenderableType
-from rich.padding import Padding
-from rich.table import Table
-from rich.text import Text
+from rich.table import Table as RichTable
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest
+from bayescal.report.grid import Cell, Column, Table, number_cell
+from bayescal.report.render import indented
 
 
 def adequacy_view(tests: Sequence[AdequacyTest], order: int) -> RenderableType:
@@ -24,30 +24,51 @@ def adequacy_view(tests: Sequence[AdequacyTest], order: int) -> RenderableType:
     order : int
         The order they are of.
     """
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="")
+    found = adequacy_table(tests, order)
+    table = RichTable(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="")
     table.add_column("", no_wrap=True)
-    table.add_column(f"adequacy of order {order}", no_wrap=True)
-    table.add_column("statistic", no_wrap=True)
-    for name in ("dof", "p", "Holm"):
-        table.add_column(name, justify="right", no_wrap=True)
-    applied = [test for test in tests if _applies(test)]
-    for test in applied:
-        table.add_row(
-            " !" if test.concern else "",
-            test.name,
-            _statistic(test),
-            "" if test.dof is None else ", ".join(str(d) for d in test.dof),
-            _p(test.p_value),
-            _p(test.p_adjusted),
-            style="bold" if test.concern else "",
+    for number, column in enumerate(found.columns):
+        table.add_column(column.head, justify="left" if number < 2 else "right", no_wrap=True)
+    concerns = [test.concern for test in tests if _applies(test)]
+    for concern, row in zip(concerns, found.rows, strict=True):
+        mark, style = (" !", "bold") if concern else ("", "")
+        table.add_row(mark, *(cell.text for cell in row), style=style)
+    lines = [f"! {test.name}: {test.meaning}" for test in tests if test.concern]
+    return Group(*([table] if found.rows else []), *indented([*lines, *adequacy_lines(tests)]))
+
+
+def adequacy_table(tests: Sequence[AdequacyTest], order: int) -> Table:
+    """One row per test that applies."""
+    columns = (
+        Column(f"adequacy of order {order}", "what is tested", f"test of order {order}"),
+        Column("statistic"),
+        Column("dof", "degrees of freedom"),
+        Column("p", "p-value where the model holds and errors are independent"),
+        Column("Holm", "p adjusted for the other tests of this block (Holm 1979)", "p, adjusted"),
+    )
+    rows = tuple(
+        (
+            Cell(test.name),
+            Cell(_statistic(test)),
+            Cell("" if test.dof is None else ", ".join(str(d) for d in test.dof)),
+            number_cell(test.p_value, _p),
+            number_cell(test.p_adjusted, _p),
         )
+        for test in tests
+        if _applies(test)
+    )
+    return Table(columns, rows)
+
+
+def adequacy_lines(tests: Sequence[AdequacyTest]) -> list[str]:
+    """Say what to know of the table of tests, and what was not tested."""
+    lines = []
     count = sum(test.p_value is not None for test in tests)
-    lines = [f"! {test.name}: {test.meaning}" for test in applied if test.concern]
     if count:
         lines.append(
             f"Holm: p adjusted for the {count} tests of this block; a concern (!) is below 0.05."
         )
-    if any(test.statistic == "ppp" for test in applied):
+    if any(test.statistic == "ppp" for test in tests):
         lines.append(
             "ppp: share of data sets replicated from the draws with as large a value; not uniform "
             "under the model."
@@ -59,8 +80,7 @@ def adequacy_view(tests: Sequence[AdequacyTest], order: int) -> RenderableType:
     if reasons:
         listed = "; ".join(f"{', '.join(names)} ({why})" for why, names in reasons.items())
         lines.append(f"Not tested: {listed}.")
-    words = [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
-    return Group(*([table] if applied else []), *words)
+    return lines
 
 
 def adequacy_rows(tests: Sequence[AdequacyTest]) -> list[dict[str, Any]]:
@@ -94,7 +114,5 @@ def _statistic(test: AdequacyTest) -> str:
     return f"{test.statistic} = {shown}"
 
 
-def _p(value: float | None) -> str:
-    if value is None:
-        return ""
+def _p(value: float) -> str:
     return "<0.001" if value < 0.001 else f"{value:.3f}"

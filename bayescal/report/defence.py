@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 from rich.console import Group, RenderableType
-from rich.padding import Padding
 from rich.text import Text
 
 from bayescal.comparison.argument import SMALL_SAMPLE
@@ -15,9 +14,20 @@ from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.sensitivity import TauSensitivity
 from bayescal.comparison.stability import Bootstrap, Removal, joint_probabilities
 from bayescal.comparison.verdict import percent
-from bayescal.report.tables import make_table
+from bayescal.models.noise.gaussian import GAUSSIAN
+from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
+from bayescal.report.noise import noises_document, noises_table
+from bayescal.report.render import indented, laid_out
 from bayescal.rounding import significant
 
+EXACT_ELPD = (
+    "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
+    "PSIS: the same from the draws, with its Monte Carlo error."
+)
+SAMPLED_ELPD = (
+    "elpd: leave-one-out from the draws (PSIS), one pixel value left out at a time, with its "
+    "Monte Carlo error beside PSIS; behind: the best order."
+)
 # Where the table over tau is evaluated: nodes of the grid, fractions of the image.
 SHOWN_TAU = (0.001, 0.00316228, 0.01, 0.0316228, 0.1, 0.316228, 1.0)
 
@@ -30,12 +40,22 @@ def defence_view(axis: AxisComparison) -> RenderableType:
     parts: list[RenderableType] = [
         Text(""),
         Text(f"  Defence of {axis.data.axis}: prediction and stability", style="bold"),
-        _prediction_table(axis, defence),
+        laid_out(prediction_table(axis, defence)),
+        *indented(prediction_lines(axis, defence)),
     ]
-    lines = [
-        "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
-        "PSIS: the same from the draws, with its Monte Carlo error."
-    ]
+    if defence.tau is not None:
+        parts.append(laid_out(tau_table(axis, defence.tau)))
+    if defence.resampled:
+        parts.append(laid_out(stability_table(axis, defence)))
+    if defence.noises:
+        parts.append(laid_out(noises_table(axis, defence.noises)))
+    parts += indented([*world_lines(axis), *left_out(axis)])
+    return Group(*parts)
+
+
+def prediction_lines(axis: AxisComparison, defence: Defence) -> list[str]:
+    """Say what to know of the table of prediction, a sentence or two each."""
+    lines = [EXACT_ELPD if axis.noise_model.name == GAUSSIAN.name else SAMPLED_ELPD]
     lines += _influential(axis, defence)
     if len(axis.data) < SMALL_SAMPLE:
         lines.append(
@@ -47,13 +67,7 @@ def defence_view(axis: AxisComparison) -> RenderableType:
             f"Groups: points that share a {defence.group_source.removeprefix('column ')}. Their "
             "neighbours make leave-one-out optimistic; by group is the harder test."
         )
-    parts += [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
-    if defence.tau is not None:
-        parts.append(_tau_table(axis, defence.tau))
-    if defence.resampled:
-        parts.append(_stability_table(axis, defence))
-    parts += [Padding(Text(line), (0, 0, 0, 2)) for line in _world_lines(axis)]
-    return Group(*parts)
+    return lines
 
 
 def _influential(axis: AxisComparison, defence: Defence) -> list[str]:
@@ -67,11 +81,21 @@ def _influential(axis: AxisComparison, defence: Defence) -> list[str]:
     more = f" and {len(found.influential) - 6} more" if len(found.influential) > 6 else ""
     return [
         f"Pareto k above {found.k_limit:.2g} at order {axis.chosen.order}: {names}{more}; "
-        "there PSIS is no check, because the draws can't tell what is predicted without the point."
+        "there PSIS can't be trusted: the draws can't tell what is predicted without the point."
     ]
 
 
-def _world_lines(axis: AxisComparison) -> list[str]:
+def left_out(axis: AxisComparison) -> list[str]:
+    """Say which answers don't exist under this noise."""
+    if axis.noise_model.name == GAUSSIAN.name:
+        return []
+    from bayescal.comparison.robust_defence import LEFT_OUT
+
+    return [LEFT_OUT]
+
+
+def world_lines(axis: AxisComparison) -> list[str]:
+    """Say what an unstated error of the world coordinates would be worth."""
     if not axis.world_units:
         return []
     first = axis.world_units[0]
@@ -86,27 +110,31 @@ def _world_lines(axis: AxisComparison) -> list[str]:
     ]
 
 
-def _prediction_table(axis: AxisComparison, defence: Defence) -> RenderableType:
+def prediction_table(axis: AxisComparison, defence: Defence) -> Table:
+    """Leave-one-out of every order, exact and from the draws."""
     grouped = any(p.group_elpd is not None for p in defence.prediction.values())
-    heads = ["elpd", "SE", "behind", "± SE", "p eff", "PSIS", "k max", *["by group"] * grouped]
+    columns = [
+        Column("elpd", "expected log pointwise predictive density, exact leave-one-out, nat"),
+        Column("SE", "its standard error"),
+        Column("behind", "elpd behind the best order's"),
+        Column("± SE", "standard error of that difference, paired"),
+        Column("p eff", "effective number of parameters"),
+        Column("PSIS", "elpd from the draws, Pareto-smoothed importance sampling, ± MC error"),
+        Column("k max", "largest Pareto k; above 0.7 PSIS is no check at that point"),
+    ]
+    if grouped:
+        columns.append(Column("by group", "the same with a whole group left out at a time"))
     rows = []
-    for k, found in defence.prediction.items():
+    for found in defence.prediction.values():
         loo = found.loo
         cells = [
-            _compact(loo.elpd),
-            _compact(loo.se),
-            _compact(abs(found.difference)),
-            _compact(found.difference_se),
-            _compact(loo.p_eff),
-            _psis_words(found),
-            _k_words(found),
+            number_cell(value, _compact)
+            for value in (loo.elpd, loo.se, abs(found.difference), found.difference_se, loo.p_eff)
         ]
-        if grouped:
-            cells.append("" if found.group_elpd is None else _compact(found.group_elpd))
-        rows.append([_marked(axis, k), *cells])
-    orders = list(defence.prediction)
-    bold = orders.index(axis.verdict.order) if axis.verdict.order in orders else None
-    return make_table(["   order", *heads], rows, bold=bold, spare=("p eff", "SE", "k max", "PSIS"))
+        cells += [Cell(_psis_words(found), found.psis_elpd), Cell(_k_words(found), _k_max(found))]
+        rows.append([*cells, *[number_cell(found.group_elpd, _compact)] * grouped])
+    spare = ("p eff", "SE", "k max", "PSIS")
+    return order_table(list(defence.prediction), columns, rows, axis.verdict.order, spare=spare)
 
 
 def _psis_words(found: Prediction) -> str:
@@ -115,10 +143,14 @@ def _psis_words(found: Prediction) -> str:
     return f"{_compact(found.psis_elpd)} ± {_compact(found.psis_mcse)}"
 
 
+def _k_max(found: Prediction) -> float | None:
+    return None if found.pareto_k is None else float(found.pareto_k.max())
+
+
 def _k_words(found: Prediction) -> str:
-    if found.pareto_k is None:
+    largest = _k_max(found)
+    if largest is None:
         return ""
-    largest = float(found.pareto_k.max())
     return f"{largest:.2f}" if largest < 10 else "bad"
 
 
@@ -126,51 +158,56 @@ def _compact(value: float) -> str:
     return f"{value:.1f}" if abs(value) < 1e5 else f"{value:.3g}"
 
 
-def _tau_table(axis: AxisComparison, found: TauSensitivity) -> RenderableType:
+def tau_table(axis: AxisComparison, found: TauSensitivity) -> Table:
     """Log evidence of every order at a few fixed tau."""
-    columns = [int(np.argmin(np.abs(np.log(found.tau / tau)))) for tau in SHOWN_TAU]
-    heads = ["   ln Z at fixed tau", *(f"{significant(100 * tau)}%" for tau in SHOWN_TAU)]
-    rows = [
-        [_marked(axis, k), *(_compact(float(row[i])) for i in columns)]
-        for k, row in zip(found.orders, found.log_evidence, strict=True)
+    at = [int(np.argmin(np.abs(np.log(found.tau / tau)))) for tau in SHOWN_TAU]
+    columns = [
+        Column(f"{significant(100 * tau)}%", "", f"{significant(100 * tau)} %") for tau in SHOWN_TAU
     ]
-    orders = list(found.orders)
-    bold = orders.index(axis.verdict.order) if axis.verdict.order in orders else None
-    return make_table(heads, rows, bold=bold)
+    rows = [[number_cell(float(row[i]), _compact) for i in at] for row in found.log_evidence]
+    head = Column("ln Z at fixed tau", "tau is a fraction of the image", "order; tau:")
+    return order_table(found.orders, columns, rows, axis.verdict.order, head=head)
 
 
-def _stability_table(axis: AxisComparison, defence: Defence) -> RenderableType:
+def stability_table(axis: AxisComparison, defence: Defence) -> Table:
+    """How often each order wins over resamples, and its probability with orders beyond."""
     beyond = defence.beyond.probability if defence.beyond is not None else {}
-    heads = [f"wins, {b.unit}s resampled" for b in defence.resampled]
-    rows = []
-    for k in beyond:
-        shares = [percent(b.share[k]) if k in b.share else "" for b in defence.resampled]
-        rows.append([_marked(axis, k), *shares, percent(beyond[k])])
-    heads = ["   order", *heads, "prob. with orders beyond"]
-    orders = list(beyond)
-    bold = orders.index(axis.verdict.order) if axis.verdict.order in orders else None
-    return make_table(heads, rows, bold=bold)
+    columns = [
+        Column(
+            f"wins, {b.unit}s resampled",
+            f"share of {b.resamples} bootstrap resamples of the {b.unit}s in which the order is "
+            "the most probable",
+        )
+        for b in defence.resampled
+    ]
+    last = "posterior probability were the orders beyond the range compared too"
+    rows = [
+        [
+            *(number_cell(b.share.get(k), percent) for b in defence.resampled),
+            number_cell(beyond[k], percent),
+        ]
+        for k in beyond
+    ]
+    columns.append(Column("prob. with orders beyond", last))
+    return order_table(list(beyond), columns, rows, axis.verdict.order)
 
 
-def _marked(axis: AxisComparison, order: int) -> str:
-    return f"{' >'[order == axis.verdict.order]}  {order:>5}"
-
-
-def joint_view(first: AxisComparison, second: AxisComparison) -> RenderableType:
-    """Show the probability of every pair of orders of two axes."""
+def joint_table(first: AxisComparison, second: AxisComparison) -> Table | None:
+    """Probability of every pair of orders of two axes; None under a flat prior."""
     chances = [
         {r.order: r.probability for r in axis.orders if r.probability is not None}
         for axis in (first, second)
     ]
     if not all(chances):
-        return Text("")
+        return None
     names = first.data.axis, second.data.axis
-    heads = [f"joint, {names[0]} \\ {names[1]}", *(f"{names[1]} order {k}" for k in chances[1])]
+    corner = Column(f"joint, {names[0]} \\ {names[1]}", "", f"{names[0]} \\ {names[1]}")
+    heads = [f"{names[1]} order {k}" for k in chances[1]]
     rows = [
-        [f"{names[0]} order {k}", *(percent(float(p)) for p in row)]
+        (Cell(f"{names[0]} order {k}", k), *(number_cell(float(p), percent) for p in row))
         for k, row in zip(chances[0], joint_probabilities(*chances), strict=True)
     ]
-    return make_table(heads, rows, spare=heads[:0:-1])
+    return Table((corner, *map(Column, heads)), tuple(rows), spare=tuple(heads[::-1]))
 
 
 def defence_document(defence: Defence) -> dict[str, Any]:
@@ -197,6 +234,7 @@ def defence_document(defence: Defence) -> dict[str, Any]:
             "probability": {str(k): p for k, p in beyond.probability.items()},
             "winner": beyond.winner,
         },
+        "noises": noises_document(defence.noises),
         "worth": [
             {"order": w.order, "largest_px": w.largest, "sd_px": w.sd, "at": w.at}
             for w in defence.worth

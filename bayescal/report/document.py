@@ -16,12 +16,13 @@ import numpy as np
 import bayescal
 from bayescal.comparison.defence import Prediction
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
-from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary
+from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
 from bayescal.models.priors import TAU_BOUNDS, PriorRule
 from bayescal.report.adequacy import adequacy_rows
 from bayescal.report.defence import defence_document
 from bayescal.report.facts import dumps as dumps
 from bayescal.report.facts import points_facts
+from bayescal.report.noise import evidence_document, noise_document, points_document
 from bayescal.settings import Settings
 
 PREDICTION = (
@@ -135,7 +136,7 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
         "n": len(axis.data),
         "domain": [domain.lower, domain.upper],
         "noise": {
-            "kind": "gaussian",
+            "kind": axis.noise_model.name,
             "sigma": noise.source,
             "sigma_px": None if per_point else noise.value,
             "per_point": per_point,
@@ -146,9 +147,11 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
             "reference_dof": reference.dof,
             "scatter_px": axis.scatter[0],
             "scatter_dof": axis.scatter[1],
+            **noise_document(axis),
         },
         "prior": _prior(axis.prior, axis.orders[-1].order),
         "orders": [_order(result, axis) for result in axis.orders],
+        "points": points_document(axis),
         "verdict": {
             "order": verdict.order,
             "plausible": list(verdict.plausible),
@@ -212,8 +215,8 @@ def _prior(rule: PriorRule, order: int) -> dict[str, Any]:
 
 def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
     fit, good, found = result.fit, result.goodness, result.criteria
-    exact = result.posterior.exact
-    size = fit.order + 1
+    posterior, size = result.posterior, len(fit.coefficients)
+    gaussian = isinstance(posterior, Posterior)
     by_name = {p.name: p for p in result.posterior.parameters}
     chain = result.posterior.chain
     chains, draws, _ = chain.draws.shape
@@ -228,8 +231,8 @@ def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         coefficients.append(
             {
                 "name": summary.name,
-                "mle": float(fit.coefficients[j]),
-                "mle_se": None if errors is None else float(errors[j]),
+                "mle": float(fit.coefficients[j]) if gaussian else None,
+                "mle_se": None if errors is None or not gaussian else float(errors[j]),
                 **_summary(summary),
             }
         )
@@ -251,8 +254,9 @@ def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         "aicc": found.aicc,
         "bic": found.bic,
         **{f"delta_{n}": _difference(getattr(found, n), best[n]) for n in ("aic", "aicc", "bic")},
-        "log_evidence": exact.log_evidence,
-        "log_evidence_error": exact.log_evidence_error,
+        "log_evidence": posterior.log_evidence,
+        "log_evidence_error": posterior.log_evidence_error,
+        "evidence": evidence_document(result),
         "probability": result.probability,
         **_prediction(found_loo),
         "exact_fit": fit.exact,
@@ -260,6 +264,7 @@ def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         "sigma": _summary(by_name["sigma"]) if "sigma" in by_name else None,
         "scale": _summary(by_name["scale"]) if "scale" in by_name else None,
         "tau": _summary(by_name["tau"]) if "tau" in by_name else None,
+        "noise_parameters": {n: _summary(by_name[n]) for n in axis.noise_model.parameters},
         "sampling": {
             "sampler": "emcee",
             "walkers": chains,
@@ -268,7 +273,9 @@ def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
             "acceptance": chain.acceptance,
             "autocorrelation_time": _finite(chain.autocorrelation_time),
             "converged": result.posterior.converged,
-            "agrees_with_exact": result.posterior.agrees_with_exact,
+            "agrees_with_exact": posterior.agrees_with_exact
+            if isinstance(posterior, Posterior)
+            else None,
         },
     }
 

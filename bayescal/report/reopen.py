@@ -13,6 +13,7 @@ import numpy as np
 
 import bayescal
 from bayescal.analysis import analyse_points
+from bayescal.comparison.noise_evidence import NoiseEvidence
 from bayescal.comparison.results import Comparison
 from bayescal.errors import InputError
 from bayescal.files import RESULT
@@ -20,12 +21,15 @@ from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, posterior_of
-from bayescal.inference.stored import unpack
+from bayescal.inference.sampled_model import SampledModel
+from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.inference.stored import unpack, unpack_sampled
 from bayescal.models import separable
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
 from bayescal.points.text import reason
 from bayescal.report.document import SCHEMA, document, versions
+from bayescal.report.noise import noises_from
 from bayescal.report.run import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
 from bayescal.settings import Settings
 
@@ -200,6 +204,26 @@ class _Run:
         except ValueError as error:
             raise InputError(f"{self.folder / place}: {error}; {self.again}") from None
         return posterior_of(exact_posterior(model), chain)
+
+    def sampled(
+        self,
+        name: str,
+        model: SampledModel,
+        rng: np.random.Generator,  # noqa: ARG002 - nothing is sampled
+        ess: int,  # noqa: ARG002
+    ) -> SampledPosterior:
+        """Read the draws and the evidence of a model without a closed form."""
+        place = f"{DRAWS}/{name}.nc"
+        raw = self.content(place)
+        try:
+            return unpack_sampled(parse_netcdf(raw), model)
+        except ValueError as error:
+            raise InputError(f"{self.folder / place}: {error}; {self.again}") from None
+
+    def noises(self, axis: str) -> tuple[NoiseEvidence, ...] | None:
+        """Evidence under other noise models, where the run's defence has it."""
+        defence = self.document["axes"][axis]["defence"]
+        return None if defence is None else noises_from(defence["noises"])
 
     def wins(self, axis: str, unit: str) -> dict[int, float] | None:
         """Bootstrap shares of an axis, which take most of a defence's time."""

@@ -21,7 +21,8 @@ from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.errors import InputError
 from bayescal.files import RESULT, FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import write_netcdf
-from bayescal.inference.stored import pack
+from bayescal.inference.posterior import Posterior
+from bayescal.inference.stored import pack, pack_sampled
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.writer import to_csv, to_toml
 from bayescal.report.document import document
@@ -127,7 +128,12 @@ def draws_name(axis: str, order: int) -> str:
 
 
 def _write_draws(path: Path, axis: AxisComparison, result: OrderResult) -> None:
-    draws = pack(result.posterior.chain, result.posterior.names)
+    posterior = result.posterior
+    draws = (
+        pack(posterior.chain, posterior.names)
+        if isinstance(posterior, Posterior)
+        else pack_sampled(posterior)
+    )
     draws.groups["observed_data"] = {"pixel": axis.data.t, "regressor": axis.data.x}
     draws.described.update(
         {

@@ -1,123 +1,162 @@
-"""Tables of results for a terminal: orders, coefficients, one order's facts."""
+"""Tables of results: orders, coefficients, one order's facts."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
-from rich import box
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
+from collections.abc import Callable
+from functools import partial
 
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
-from bayescal.report.render import WIDTH
+from bayescal.inference.posterior import Posterior
+from bayescal.models.noise.gaussian import GAUSSIAN
+from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
+from bayescal.report.noise import robust_orders_table
 from bayescal.rounding import rounded, significant
 
 
-def orders_table(axis: AxisComparison) -> RenderableType:
+def orders_table(axis: AxisComparison) -> Table:
     """One row per order; the recommended one is marked."""
+    if axis.noise_model.name != GAUSSIAN.name:
+        return robust_orders_table(axis)
     known = axis.reference.source == "known"
-    columns: list[tuple[str, Callable[[OrderResult], str]]] = [
-        ("order", lambda r: str(r.order)),
-        ("p", lambda r: str(r.order + 1)),
-        ("RSS px²", lambda r: _short(r.rss_px2)),
-        ("sigma^", lambda r: _maybe(r.fit.sigma_hat, _three)),
-        ("chi2", lambda r: _maybe(r.goodness.chi2, _fixed(1))),
-        ("dof", lambda r: str(r.goodness.dof)),
-        ("chi2/dof", lambda r: _maybe(r.goodness.chi2_reduced, _three)),
-        ("p chi2", lambda r: _maybe(r.goodness.p_value, _p))
+    tested = (
+        _column("p chi2", "p χ²", P_CHI2, lambda r: r.goodness.p_value, _p)
         if known
-        else ("p F", lambda r: _maybe(r.goodness.f_p_value, _p)),
-        ("dAIC", _delta(axis, "aic")),
-        ("dAICc", _delta(axis, "aicc")),
-        ("dBIC", _delta(axis, "bic")),
-        ("ln Z", lambda r: _maybe(r.log_evidence, _fixed(2))),
-        ("prob.", lambda r: _maybe(r.probability, percent)),
+        else _column("p F", "p (F)", P_F, lambda r: r.goodness.f_p_value, _p)
+    )
+    columns = [
+        _column("p", "p", "number of coefficients", lambda r: r.order + 1, lambda v: f"{v:.0f}"),
+        _column("RSS px²", "RSS, px²", "residual sum of squares", lambda r: r.rss_px2, _short),
+        _column("sigma^", "\u03c3\u0302, px", SIGMA_HAT, lambda r: r.fit.sigma_hat, _three),
+        _column("chi2", "χ²", CHI2, lambda r: r.goodness.chi2, _fixed(1)),
+        _column("dof", "dof", DOF, lambda r: r.goodness.dof, lambda v: f"{v:.0f}"),
+        _column("chi2/dof", "χ²/dof", REDUCED, lambda r: r.goodness.chi2_reduced, _three),
+        tested,
+        _column("dAIC", "ΔAIC", f"{AIC}; less the smallest", _delta(axis, "aic"), _fixed(1)),
+        _column("dAICc", "ΔAICc", f"{AICC}; less the smallest", _delta(axis, "aicc"), _fixed(1)),
+        _column("dBIC", "ΔBIC", f"{BIC}; less the smallest", _delta(axis, "bic"), _fixed(1)),
+        _column("ln Z", "ln Z", LN_Z, lambda r: r.log_evidence, _fixed(2)),
+        _column("prob.", "probability", PROBABILITY, lambda r: r.probability, percent),
     ]
-    heads = ["", *(name for name, _ in columns)]
-    chosen = [r.order == axis.verdict.order for r in axis.orders]
-    rows = [
-        [">" if mark else "", *(value(r) for _, value in columns)]
-        for mark, r in zip(chosen, axis.orders, strict=True)
-    ]
-    return make_table(
-        heads,
-        rows,
-        bold=chosen.index(True) if any(chosen) else None,
+    return order_table(
+        [r.order for r in axis.orders],
+        [column for column, _ in columns],
+        [[cell(r) for _, cell in columns] for r in axis.orders],
+        axis.verdict.order,
         spare=("dAIC", "chi2", "sigma^", "dAICc"),
     )
 
 
-def coefficients_table(
-    axis: AxisComparison, result: OrderResult, *, full: bool = False
-) -> RenderableType:
+# What the columns mean, shown by a page.
+SIGMA_HAT = "noise estimated from the residuals, √(RSS/dof)"
+CHI2 = "sum of squared residuals in units of the reference sigma stated below"
+DOF = "degrees of freedom: points less coefficients"
+REDUCED = "χ² per degree of freedom; 1 by construction where sigma is taken from the same residuals"
+P_CHI2 = "upper tail of χ² at the known sigma"
+P_F = "p-value of the F test stated below"
+AIC = "Akaike's criterion, -2 ln L + 2K"
+AICC = "AIC corrected for few points"
+BIC = "Schwarz's criterion, -2 ln L + K ln n"
+LN_Z = "natural logarithm of the evidence, p(data given order), sigma and tau averaged over"
+PROBABILITY = "posterior probability of the order, all equally probable beforehand"
+
+
+def _column(
+    head: str,
+    title: str,
+    note: str,
+    value: Callable[[OrderResult], float | None],
+    form: Callable[[float], str],
+) -> tuple[Column, Callable[[OrderResult], Cell]]:
+    """Make a column and the maker of its cells."""
+    return Column(head, note, title), lambda r: number_cell(value(r), form)
+
+
+def coefficients_table(axis: AxisComparison, result: OrderResult, *, full: bool = False) -> Table:
     """Coefficients of one order as sampled, with their uncertainties and diagnostics.
 
     `full` shows bulk and tail ESS, and leaves least squares to the table beside it.
     """
-    heads = ["mean", "sd", "95% interval", "MCSE"]
-    heads = [*heads, "ESS bulk", "ESS tail"] if full else ["least sq.", *heads, "ESS"]
+    columns = [
+        Column("mean", "posterior mean, rounded to its sd's two digits"),
+        Column("sd", "posterior standard deviation, two significant digits"),
+        Column("95% interval", "central (equal-tailed) interval of the draws", "95 % interval"),
+        Column("MCSE", "Monte Carlo standard error of the mean"),
+    ]
+    if full:
+        columns += [Column("ESS bulk"), Column("ESS tail")]
+    else:
+        least = Column("least sq.", "maximum likelihood", "least squares")
+        smaller = "effective sample size, the smaller of bulk and tail"
+        columns = [least, *columns, Column("ESS", smaller)]
+    columns.append(
+        Column("R-hat", "rank-normalised split R-hat; below 1.01 is converged", "R\u0302")
+    )
     rows = []
     for j, p in enumerate(result.posterior.parameters):
         sd = p.sd
         low, high = p.interval
         cells = [
-            rounded(p.mean, sd),
-            significant(sd),
-            f"{rounded(low, sd)} to {rounded(high, sd)}",
-            significant(p.mcse_mean, 1),
+            Cell(rounded(p.mean, sd), p.mean),
+            Cell(significant(sd), sd),
+            Cell(f"{rounded(low, sd)} to {rounded(high, sd)}", low),
+            Cell(significant(p.mcse_mean, 1), p.mcse_mean),
         ]
         if full:
-            cells += [f"{p.ess_bulk:.0f}", f"{p.ess_tail:.0f}"]
+            cells += [Cell(f"{v:.0f}", v) for v in (p.ess_bulk, p.ess_tail)]
         else:
-            fitted = rounded(float(result.fit.coefficients[j]), sd) if j <= result.order else ""
-            cells = [fitted, *cells, f"{min(p.ess_bulk, p.ess_tail):.0f}"]
-        rows.append([_unitless(p.name), *cells, f"{p.rhat:.3f}"])
-    heads = [f"order {result.order}, {_unit(axis)}", *heads, "R-hat"]
-    return make_table(heads, rows, spare=("least sq.", "MCSE", "ESS", "ESS bulk"))
+            fitted = float(result.fit.coefficients[j]) if j <= result.order else None
+            ess = min(p.ess_bulk, p.ess_tail)
+            first = number_cell(fitted, partial(rounded, uncertainty=sd))
+            cells = [first, *cells, Cell(f"{ess:.0f}", ess)]
+        rows.append((Cell(_unitless(p.name), j), *cells, Cell(f"{p.rhat:.3f}", p.rhat)))
+    head = Column(f"order {result.order}, {_unit(axis)}")
+    spare = ("least sq.", "MCSE", "ESS", "ESS bulk")
+    return Table((head, *columns), tuple(rows), spare=spare)
 
 
 def _unitless(name: str) -> str:
     return {"tau": "tau / size", "scale": "scale / 1"}.get(name, name)
 
 
-def exact_table(axis: AxisComparison, result: OrderResult) -> RenderableType:
+def exact_table(axis: AxisComparison, result: OrderResult) -> Table:
     """Least squares and the closed form of one order, beside each other."""
-    heads = [
-        f"without sampling, {_unit(axis)}",
-        "least squares",
-        "standard error",
-        "exact mean",
-        "exact sd",
-        "draws off by",
-    ]
+    columns = (
+        Column(f"without sampling, {_unit(axis)}"),
+        Column("least squares"),
+        Column("standard error"),
+        Column("exact mean"),
+        Column("exact sd"),
+        Column("draws off by", "distance of the draws' mean or sd, whichever is further"),
+    )
     rows = []
     errors = result.fit.standard_errors
     for j, p in enumerate(result.posterior.parameters):
         if p.exact_mean is None or p.exact_sd is None or p.deviation is None:
             continue
-        fitted = j <= result.order
-        error = float(errors[j]) if errors is not None and fitted else None
+        fitted = float(result.fit.coefficients[j]) if j <= result.order else None
+        error = float(errors[j]) if errors is not None and j <= result.order else None
+        unit = error or p.exact_sd
         rows.append(
-            [
-                _unitless(p.name),
-                rounded(float(result.fit.coefficients[j]), error or p.exact_sd) if fitted else "",
-                _maybe(error, significant),
-                rounded(p.exact_mean, p.exact_sd),
-                significant(p.exact_sd),
-                f"{p.deviation:.1f} MC errors",
-            ]
+            (
+                Cell(_unitless(p.name), j),
+                number_cell(fitted, partial(rounded, uncertainty=unit)),
+                number_cell(error, significant),
+                Cell(rounded(p.exact_mean, p.exact_sd), p.exact_mean),
+                Cell(significant(p.exact_sd), p.exact_sd),
+                Cell(f"{p.deviation:.1f} MC errors", p.deviation),
+            )
         )
-    return make_table(heads, rows, spare=("draws off by",))
+    return Table(columns, tuple(rows), spare=("draws off by",))
 
 
-def facts(axis: AxisComparison, result: OrderResult) -> RenderableType:
-    """Everything that is one number about one order."""
+def facts(axis: AxisComparison, result: OrderResult) -> tuple[tuple[str, str], ...]:
+    """Everything that is one number about one order: its name and itself."""
     good, found = result.goodness, result.criteria
-    exact = result.posterior.exact
-    facts: Sequence[tuple[str, str]] = [
+    posterior = result.posterior
+    kind = "quadrature" if isinstance(posterior, Posterior) else "Monte Carlo"
+    return (
         ("order", f"{result.order} ({result.order + 1} coefficients, K = {found.n_parameters})"),
         ("residual sum of squares", f"{result.rss_px2:.6g} px²"),
         ("sigma^ = sqrt(RSS/dof)", _maybe(result.fit.sigma_hat, lambda v: f"{v:.4g} px")),
@@ -136,14 +175,10 @@ def facts(axis: AxisComparison, result: OrderResult) -> RenderableType:
         ),
         (
             "ln evidence",
-            _maybe(exact.log_evidence, lambda v: f"{v:.4f}")
-            + _maybe(exact.log_evidence_error, lambda v: f" (quadrature error below {v:.0e})"),
+            _maybe(posterior.log_evidence, lambda v: f"{v:.4f}")
+            + _maybe(posterior.log_evidence_error, lambda v: f" ({kind} error {v:.0e})"),
         ),
-    ]
-    table = Table(box=None, show_header=False, padding=(0, 2, 0, 0))
-    for name, value in facts:
-        table.add_row(f"  {name}", value)
-    return table
+    )
 
 
 def _reduced(axis: AxisComparison, good: GoodnessOfFit) -> str:
@@ -167,53 +202,15 @@ def _fixed(decimals: int) -> Callable[[float], str]:
     return lambda value: f"{value:.{decimals}f}" if abs(value) < 1e5 else f"{value:.3g}"
 
 
-def make_table(
-    heads: Sequence[str],
-    rows: Sequence[Sequence[str]],
-    *,
-    bold: int | None = None,
-    spare: Sequence[str] = (),
-) -> RenderableType:
-    """Lay out cells, the columns after the first as numbers, within 100 columns.
-
-    Parameters
-    ----------
-    heads : sequence of str
-    rows : sequence of sequence of str
-        One cell for each head.
-    bold : int, optional
-        The row to stress.
-    spare : sequence of str
-        Heads of the columns to leave out, in this order, where the numbers are so wide
-        that not all fit; a line says which.
-    """
-    widths = [max([len(head), *(len(row[i]) for row in rows)]) for i, head in enumerate(heads)]
-    kept, dropped = list(range(len(heads))), []
-    for head in spare:
-        if sum(widths[i] + 2 for i in kept) <= WIDTH:
-            break
-        if head in heads:
-            dropped.append(head)
-            kept.remove(heads.index(head))
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="")
-    for column in kept:
-        table.add_column(heads[column], justify="right" if column else "left", no_wrap=True)
-    for number, row in enumerate(rows):
-        table.add_row(*(row[i] for i in kept), style="bold" if number == bold else "")
-    if not dropped:
-        return table
-    return Group(table, Text(f"  Too wide to show: {', '.join(dropped)} (--json has them)."))
-
-
-def _delta(axis: AxisComparison, key: str) -> Callable[[OrderResult], str]:
+def _delta(axis: AxisComparison, key: str) -> Callable[[OrderResult], float | None]:
     values = [v for r in axis.orders if (v := getattr(r.criteria, key)) is not None]
     best = min(values) if values else None
 
-    def cell(result: OrderResult) -> str:
+    def above(result: OrderResult) -> float | None:
         value = getattr(result.criteria, key)
-        return "" if value is None or best is None else _fixed(1)(value - best)
+        return None if value is None or best is None else float(value - best)
 
-    return cell
+    return above
 
 
 def _maybe(value: float | None, form: Callable[[float], str]) -> str:

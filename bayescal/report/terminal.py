@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
-from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
+from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.models.priors import TAU_BOUNDS
+from bayescal.report.noise import noise_kind, robust_footnotes
 from bayescal.report.render import WIDTH as WIDTH
+from bayescal.report.render import indented, laid_out, listed
 from bayescal.report.render import render as render
 from bayescal.report.tables import coefficients_table, exact_table, facts, orders_table
 from bayescal.rounding import significant
@@ -18,12 +23,17 @@ def comparison_view(comparison: Comparison) -> RenderableType:
     """Everything that ``compare`` prints."""
     parts: list[RenderableType] = [header(comparison)]
     for axis in comparison.axes.values():
-        parts += [axis_title(axis), orders_table(axis), *_footnotes(axis), verdict_view(axis)]
+        parts += [
+            axis_title(axis),
+            laid_out(orders_table(axis)),
+            *indented(footnotes(axis)),
+            verdict_view(axis),
+        ]
         if axis.defence is not None:
             parts += _defended(axis)
         if axis.verdict.order is None:
             parts.append(Text("\n  No order is recommended; shown is the one of lowest BIC."))
-        parts += [coefficients_table(axis, axis.chosen), Text("")]
+        parts += [laid_out(coefficients_table(axis, axis.chosen)), Text("")]
     parts += _across(comparison)
     parts.append(sampling_line(comparison))
     return Group(*parts)
@@ -33,19 +43,21 @@ def _defended(axis: AxisComparison) -> list[RenderableType]:
     from bayescal.report.adequacy import adequacy_view
     from bayescal.report.defence import defence_view
 
-    return [defence_view(axis), adequacy_view(axis.adequacy, axis.chosen.order)]
+    tests = [adequacy_view(axis.adequacy, axis.chosen.order)] if axis.adequacy else []
+    return [defence_view(axis), *tests]
 
 
 def _across(comparison: Comparison) -> list[RenderableType]:
     """Joint probabilities of both axes, or how to ask for them and more."""
     if any(axis.defence is None for axis in comparison.axes.values()):
-        more = "leave-one-out, prior sensitivity, stability, adequacy and orders beyond"
+        more = "leave-one-out, prior sensitivity, stability, adequacy, other noise, orders beyond"
         return [Text(f"Would it persuade a referee? --defend adds {more}.\n")]
     if len(comparison.axes) != 2:
         return []
-    from bayescal.report.defence import joint_view
+    from bayescal.report.defence import joint_table
 
-    return [joint_view(*comparison.axes.values()), Text("")]
+    joint = joint_table(*comparison.axes.values())
+    return [] if joint is None else [laid_out(joint), Text("")]
 
 
 def fit_view(comparison: Comparison) -> RenderableType:
@@ -53,14 +65,20 @@ def fit_view(comparison: Comparison) -> RenderableType:
     parts: list[RenderableType] = [header(comparison)]
     for axis in comparison.axes.values():
         result = axis.orders[0]
-        parts += [axis_title(axis), facts(axis, result), *_caveats(axis)]
-        parts += [coefficients_table(axis, result, full=True), exact_table(axis, result), Text("")]
+        parts += [axis_title(axis), listed(facts(axis, result)), *_caveats(axis)]
+        parts += [laid_out(coefficients_table(axis, result, full=True))]
+        parts += [laid_out(exact_table(axis, result)), Text("")]
     parts.append(sampling_line(comparison))
     return Group(*parts)
 
 
 def header(comparison: Comparison) -> RenderableType:
     """Say what was analysed, under which assumptions."""
+    return Text("\n".join(header_lines(comparison)) + "\n")
+
+
+def header_lines(comparison: Comparison) -> list[str]:
+    """Points, camera and notes, a line each."""
     lines = []
     points = comparison.points
     if points is not None:
@@ -71,8 +89,7 @@ def header(comparison: Comparison) -> RenderableType:
         end = "bottom (c = height - row)" if points.setup.c_from_bottom else "top"
         lines.append(f"{len(points)} points from {points.source}, {comparison.family} family")
         lines.append(f"camera at ({x:g}, {y:g}, {z:g}), image {size} px, c counted from the {end}")
-    lines += [f"note: {note}" for note in comparison.notes]
-    return Text("\n".join(lines) + "\n")
+    return lines + [f"note: {note}" for note in comparison.notes]
 
 
 def axis_title(axis: AxisComparison) -> RenderableType:
@@ -82,11 +99,17 @@ def axis_title(axis: AxisComparison) -> RenderableType:
     text.append(
         f", {data.regressor} from {domain.lower:.3g} to {domain.upper:.3g}", style="not bold"
     )
-    return Group(text, Text(f"  noise: {_noise_words(axis)}\n  prior: {_prior_words(axis)}"))
+    return Group(text, _assumed(axis))
 
 
-def _noise_words(axis: AxisComparison) -> str:
-    words = f"Gaussian, sigma {axis.noise_source}"
+def _assumed(axis: AxisComparison) -> Text:
+    prior = prior_words(axis).replace("; tau", ";\n         tau")
+    return Text(f"  noise: {noise_words(axis)}\n  prior: {prior}")
+
+
+def noise_words(axis: AxisComparison) -> str:
+    """Name the noise model and where its level comes from."""
+    words = noise_kind(axis)
     if axis.noise.bounds is not None:
         lower, upper = axis.noise.bounds
         unit = "" if axis.noise.source == "scale" else " px"
@@ -94,7 +117,8 @@ def _noise_words(axis: AxisComparison) -> str:
     return words
 
 
-def _prior_words(axis: AxisComparison) -> str:
+def prior_words(axis: AxisComparison) -> str:
+    """Name the prior and its numbers."""
     rule = axis.prior
     if rule.name == "flat":
         return "flat; improper, so that there is no evidence and no probability of an order"
@@ -108,11 +132,14 @@ def _prior_words(axis: AxisComparison) -> str:
     )
     return (
         f"field; b0 ~ N({rule.centre:g}, {half}), b1 ~ N(0, {half}), bj ~ N(0, tau * "
-        f"{rule.size:g}) px;\n         tau {tau}"
+        f"{rule.size:g}) px; tau {tau}"
     )
 
 
-def _footnotes(axis: AxisComparison) -> list[RenderableType]:
+def footnotes(axis: AxisComparison) -> list[str]:
+    """Say what to know of the table of orders, a sentence or two each."""
+    if axis.noise_model.name != GAUSSIAN.name:
+        return [*robust_footnotes(axis), *_scatter_line(axis)]
     reference, lines = axis.reference, []
     if axis.data.sd is not None and reference.source == "known":
         lines.append("chi2 uses the points' own deviations; p chi2 is its upper tail.")
@@ -146,13 +173,17 @@ def _footnotes(axis: AxisComparison) -> list[RenderableType]:
     ]
     if best:
         lines.append(f"Smallest {', '.join(best)}; dAIC, dAICc, dBIC are above these.")
+    return lines + _scatter_line(axis)
+
+
+def _scatter_line(axis: AxisComparison) -> list[str]:
     spread, dof = axis.scatter
-    if spread is not None:
-        lines.append(
-            f"Points that share {axis.data.regressor} scatter by {spread:.2f} px "
-            f"({dof} dof): noise plus what {axis.data.regressor} does not explain."
-        )
-    return [Padding(Text(line), (0, 0, 0, 2)) for line in lines]
+    if spread is None:
+        return []
+    return [
+        f"Points that share {axis.data.regressor} scatter by {spread:.2f} px "
+        f"({dof} dof): noise plus what {axis.data.regressor} does not explain."
+    ]
 
 
 def verdict_view(axis: AxisComparison) -> RenderableType:
@@ -163,36 +194,55 @@ def verdict_view(axis: AxisComparison) -> RenderableType:
 
 
 def _caveats(axis: AxisComparison) -> list[RenderableType]:
+    return indented(f"caveat: {caveat}." for caveat in caveats(axis))
+
+
+def caveats(axis: AxisComparison) -> list[str]:
+    """Caveats of the verdict that the block of adequacy does not say."""
     said: set[str] = set()  # by the block of adequacy
     if axis.adequacy:
         from bayescal.comparison.adequacy.outcome import concerns
 
         said = set(concerns(axis.adequacy))
-    return [
-        Padding(Text(f"caveat: {c}."), (0, 0, 0, 2)) for c in axis.verdict.caveats if c not in said
-    ]
+    return [caveat for caveat in axis.verdict.caveats if caveat not in said]
 
 
 def sampling_line(comparison: Comparison) -> RenderableType:
     """Whether the draws can be trusted, for all models at once."""
+    text = Text(sampling_words(comparison))
+    if comparison.sound:
+        return text
+    return Group(text, Text(NOT_SOUND, style="bold"))
+
+
+NOT_SOUND = (
+    "NOT SOUND: some draws did not converge or disagree with the closed form, or an evidence "
+    "should not be trusted; see above."
+)
+
+
+def sampling_words(comparison: Comparison) -> str:
+    """Say how the sampling of all models went."""
     results = [r for axis in comparison.axes.values() for r in axis.orders]
     chains = [r.posterior.chain for r in results]
     parameters = [p for r in results for p in r.posterior.parameters]
     ess = min(min(p.ess_bulk, p.ess_tail) for p in parameters)
-    text = (
+    return (
         f"emcee, {len(results)} model{'s' * (len(results) > 1)}, seed {comparison.seed}: "
         f"acceptance at least {min(c.acceptance for c in chains):.2f}, autocorrelation time at "
         f"most {max(c.autocorrelation_time for c in chains):.2f} steps, ESS at least {ess:.0f}, "
-        f"R-hat at most {max(p.rhat for p in parameters):.3f}; means and sds within "
-        f"{max(p.deviation or 0.0 for p in parameters):.1f} Monte Carlo errors of the closed form "
-        "(limit 5)."
+        f"R-hat at most {max(p.rhat for p in parameters):.3f}; {_checked(results)}."
     )
-    if comparison.sound:
-        return Text(text)
-    return Group(
-        Text(text),
-        Text(
-            "NOT SOUND: some draws did not converge or disagree with the closed form; see above.",
-            style="bold",
-        ),
-    )
+
+
+def _checked(results: Sequence[OrderResult]) -> str:
+    """Say what draws and evidences were checked against."""
+    deviations = [p.deviation for r in results for p in r.posterior.parameters]
+    compared = [d for d in deviations if d is not None]
+    if compared:
+        return (
+            f"means and sds within {max(compared):.1f} Monte Carlo errors of the closed form "
+            "(limit 5)"
+        )
+    errors = [r.posterior.log_evidence_error or 0.0 for r in results]
+    return f"evidences to within {significant(max(errors), 1)} nat (limit 0.1)"

@@ -11,6 +11,9 @@ from bayescal.models.noise.model import NoiseModel
 from bayescal.models.noise.outlier_mixture import WIDTH_BOUNDS, OutlierMixture
 from bayescal.models.noise.student_t import StudentT
 
+# Where y is no pixel, its span over this stands for one, as in the bounds of sigma.
+TYPICAL_SIZE = 1920.0
+
 
 @dataclass(frozen=True)
 class NoiseChoice:
@@ -51,8 +54,7 @@ class NoiseChoice:
         Parameters
         ----------
         unit : float
-            What stands for a pixel: 1 on an image; for a generic y the span of y over 1920,
-            as in the bounds of sigma.
+            What stands for a pixel: 1 on an image; for a generic y its span over TYPICAL_SIZE.
         """
         return NOISE_MODELS[self.name](self, unit)
 

@@ -56,6 +56,9 @@ class Gaussian:
         return np.ones(residual.shape)
 
 
+GAUSSIAN = Gaussian()
+
+
 def log_normal(residual: Array, log_scale: Array) -> Array:
     """Log density of N(0, scale^2), of the arguments' common shape."""
     z = residual * np.exp(-log_scale)

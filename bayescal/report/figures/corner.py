@@ -85,7 +85,7 @@ def _overlay(panels: Array, names: tuple[str, ...], densities: Densities) -> Non
                 found.x,
                 found.y,
                 found.density,
-                levels=found.thresholds(LEVELS),
+                levels=sorted(set(found.thresholds(LEVELS))),
                 colors=VERMILLION,
                 linewidths=0.9,
             )
@@ -106,7 +106,7 @@ def _caption(figure: Figure, subject: Subject, draws: int, *, overlaid: bool) ->
         handles=handles,
         loc="upper right",
         bbox_to_anchor=(0.995, 0.985),
-        alignment="right",
+        alignment="left",
         title=f"{subject.title}\ncontours: {inner} and {outer} of the\nprobability (1 and 2 sigma "
         "in two\ndimensions)",
         title_fontsize=8.5,

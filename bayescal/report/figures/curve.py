@@ -107,10 +107,15 @@ def alt_text(subject: Subject) -> str:
     curve, unit = Curve.of(subject), subject.unit
     worst = int(np.abs(curve.mean).argmax())
     half = (curve.upper - curve.lower) / 2
+    bend = (
+        f"it goes from {curve.mean.min():.3g} to {curve.mean.max():.3g} {unit}, furthest at "
+        f"{curve.x[worst]:.3g}"
+        if subject.result.order > 1
+        else "it is straight"
+    )
     return (
-        f"Fitted curve less its straight part, {subject.title}, with the measured points: it goes "
-        f"from {curve.mean.min():.3g} to {curve.mean.max():.3g} {unit}, furthest at "
-        f"{curve.x[worst]:.3g}; half of its {100 * INTERVAL_PROBABILITY:.0f} % band is "
+        f"Fitted curve less its straight part, {subject.title}, with the measured points: {bend}; "
+        f"half of its {100 * INTERVAL_PROBABILITY:.0f} % band is "
         f"{significant(float(half.min()))} {unit} where narrowest and "
         f"{significant(float(half.max()))} {unit} where widest."
     )

@@ -70,7 +70,7 @@ def _by_group(found: dict[int, Prediction]) -> dict[int, float]:
 def _numbers(found: Prediction) -> str:
     if found.difference == 0:
         return "best"
-    return f"{found.difference:.1f} ± {found.difference_se:.1f}".replace("-", "\u2212")
+    return f"{found.difference:.1f} ± {found.difference_se:.1f}".replace("-", "\N{MINUS SIGN}")
 
 
 def alt_text(subject: Subject) -> str:

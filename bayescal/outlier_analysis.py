@@ -1,0 +1,230 @@
+"""From points to their bad ones: each axis, each order, each way of treating them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from bayescal.arrays import Array
+from bayescal.comparison.leave_one_out import leave_one_out
+from bayescal.comparison.noise_evidence import NoiseEvidence, noise_evidence
+from bayescal.comparison.outlier_results import AxisOutliers, OutlierStudy, Treatment
+from bayescal.comparison.outliers import (
+    Elimination,
+    RobustView,
+    eliminate,
+    point_records,
+)
+from bayescal.comparison.rejection import RejectionRule
+from bayescal.comparison.shared_errors import shared_errors
+from bayescal.errors import InputError
+from bayescal.inference.closed_form import exact_posterior
+from bayescal.inference.evidence import log_evidences
+from bayescal.inference.least_squares import factorise, solve
+from bayescal.inference.model import LinearModel
+from bayescal.inference.quadrature import FINE
+from bayescal.inference.reweighting import Rows
+from bayescal.inference.robust_linear import RobustLinearModel
+from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.models.linear import AxisData
+from bayescal.models.noise.gaussian import GAUSSIAN
+from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.noise.model import NoiseModel
+from bayescal.models.noise.outlier_mixture import OutlierMixture
+from bayescal.models.noise.student_t import StudentT
+from bayescal.models.priors import PriorRule
+from bayescal.models.separable import axis_data
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.reader import axis_names
+from bayescal.points.setup import AXES
+from bayescal.settings import (
+    DEFAULT_ORDERS,
+    Settings,
+    check_resolved,
+    checked_orders,
+    noise_level,
+    prior_rule,
+)
+
+SIGNIFICANCE = 0.05
+
+
+def outliers(
+    points: Correspondences,
+    orders: Iterable[int] = DEFAULT_ORDERS,
+    *,
+    axis: str = "both",
+    sigma: float | str | None = None,
+    prior: str | None = None,
+    tau: float | None = None,
+    nu: float | None = None,
+    bad_offset: bool = False,
+    significance: float = SIGNIFICANCE,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> OutlierStudy:
+    """Find bad points, and whether the choice of the order depends on them.
+
+    Parameters
+    ----------
+    points : Correspondences
+        From `load`, `thesis` or ``Correspondences.from_arrays``.
+    orders : iterable of int, optional
+        Polynomial degrees, 1 to 5 by default.
+    axis : str, optional
+        ``"r"``, ``"c"`` or ``"both"``.
+    sigma, prior, tau
+        As in `compare`.
+    nu : float, optional
+        Fixes the degrees of freedom of Student-t noise; by default they are inferred.
+    bad_offset : bool, optional
+        Infer an offset of the mixture's bad points; by default it is zero.
+    significance : float, optional
+        Of the chi-squared elimination, family-wise.
+    seed : int, optional
+        Of all randomness.
+    progress : callable, optional
+        Called with the axis before each noise model is sampled.
+
+    Returns
+    -------
+    OutlierStudy
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine an order, or a setting is not usable.
+    """
+    wanted = checked_orders(orders)
+    settings = Settings(sigma, prior, tau, seed)
+    StudentT(nu)  # refuse what it can't be
+    rule = RejectionRule(significance)
+    if prior == "flat":
+        raise InputError("outliers compares evidences, which a flat prior does not have")
+    names = axis_names(axis)
+    data = {name: axis_data(points, name) for name in AXES}
+    for name in names:
+        data[name].check(wanted[-1])
+    tell = progress if progress is not None else _silent
+    with threadpool_limits(1):
+        axes = {
+            name: _axis(
+                points,
+                noise_level(data[name], settings, data["c" if name == "r" else "r"].x, wanted[-1]),
+                prior_rule(data[name], settings, points.setup.priors.get(name)),
+                wanted,
+                (StudentT(nu), OutlierMixture(infers_offset=bad_offset)),
+                rule,
+                np.random.default_rng(
+                    np.random.SeedSequence(seed, spawn_key=(AXES.index(name), 0))
+                ),
+                tell,
+            )
+            for name in names
+        }
+    return OutlierStudy(axes, points, significance, seed)
+
+
+def _silent(_: str) -> None:
+    """Report no progress."""
+
+
+def _axis(
+    points: Correspondences,
+    chosen: tuple[AxisData, NoiseLevel, str],
+    rule: PriorRule,
+    orders: tuple[int, ...],
+    robust: tuple[NoiseModel, NoiseModel],
+    rejection: RejectionRule,
+    rng: np.random.Generator,
+    tell: Callable[[str], None],
+) -> AxisOutliers:
+    data, level, words = chosen
+    factors = factorise(data, orders[-1])
+    check_resolved(data, level, solve(factors, orders[-1], level.value))
+    exact = {
+        k: exact_posterior(LinearModel(factors, k, level, rule.of_order(k), data.symbol))
+        for k in orders
+    }
+    gaussian = _closed_form({k: e.log_integral for k, e in exact.items()})
+    elimination = eliminate(data, orders, RejectionRule(rejection.significance, sigma=level.value))
+    sampled = []
+    for noise, child in zip(robust, rng.spawn(2), strict=True):
+        tell(data.axis)
+        sampled.append(noise_evidence(data, level, rule, noise, orders, child))
+    heavy, mixture = sampled
+    best = max((gaussian, heavy, mixture), key=lambda e: e.total)
+    order = best.order
+    removed = len(elimination.highest.removed)
+    treatments = (
+        Treatment("Gaussian noise", len(data), gaussian),
+        Treatment(
+            f"Gaussian noise without {removed} eliminated"
+            if removed
+            else "Gaussian noise, nothing eliminated",
+            len(data) - removed,
+            _without(data, level, rule, orders, elimination),
+        ),
+        Treatment("Student-t noise", len(data), heavy),
+        Treatment("the outlier mixture", len(data), mixture),
+    )
+    view = _robust_view(mixture.posteriors[order], heavy.posteriors[order])
+    left_out = {k: leave_one_out(data, e) for k, e in exact.items()}
+    loo = {k: found for k, found in left_out.items() if found is not None}
+    records = point_records(data, elimination, order, loo, gaussian.log_evidence, view)
+    posterior = mixture.posteriors[order]
+    scale = (
+        float(posterior["sigma"].mean)
+        if "sigma" in posterior.names
+        else (float(posterior["scale"].mean) if "scale" in posterior.names else level.value or 1.0)
+    )
+    own = np.ones(len(data)) if data.sd is None else data.sd
+    slope = _slope(data, posterior, order) / points.camera_frame()[:, 2]
+    shared = shared_errors(data, records, points.world, slope, scale * own)
+    return AxisOutliers(data, level, words, order, records, elimination, treatments, shared)
+
+
+def _closed_form(log_evidence: dict[int, float]) -> NoiseEvidence:
+    return NoiseEvidence(GAUSSIAN.name, log_evidence, dict.fromkeys(log_evidence, 0.0), {}, {})
+
+
+def _without(
+    data: AxisData,
+    level: NoiseLevel,
+    rule: PriorRule,
+    orders: tuple[int, ...],
+    elimination: Elimination,
+) -> NoiseEvidence:
+    """Evidence of the points that the highest order keeps; domain and prior stay."""
+    members = np.zeros((1, len(data)))
+    members[0, list(elimination.highest.removed)] = 1
+    sets = Rows.of(data, orders[-1]).without(members)
+    return _closed_form(
+        {k: float(log_evidences(sets.reduced(k), level, rule.of_order(k), FINE)[0]) for k in orders}
+    )
+
+
+def _robust_view(mixture: SampledPosterior, heavy: SampledPosterior) -> RobustView:
+    model, other = mixture.model, heavy.model
+    assert isinstance(model, RobustLinearModel), "noise_evidence samples these"
+    assert isinstance(other, RobustLinearModel), "noise_evidence samples these"
+    full = mixture.full.reshape(-1, mixture.full.shape[2])
+    predicted = model.t - model.residuals(full)
+    bad = model.bad_probability(full)
+    assert bad is not None, "the mixture knows bad points"
+    return RobustView(
+        predicted.mean(axis=0),
+        predicted.std(axis=0, ddof=1),
+        bad.mean(axis=0),
+        other.weight(heavy.full.reshape(-1, heavy.full.shape[2])).mean(axis=0),
+    )
+
+
+def _slope(data: AxisData, posterior: SampledPosterior, order: int) -> Array:
+    """Slope of the mean prediction over the regressor at every point, px, ``(n_points,)``."""
+    theta = posterior.chain.theta
+    amplitudes = theta.reshape(-1, theta.shape[2])[:, : order + 1].mean(axis=0)
+    derivative = np.polynomial.legendre.legder(amplitudes) / data.domain.half_range
+    return np.asarray(np.polynomial.legendre.legval(data.domain.scale(data.x), derivative))

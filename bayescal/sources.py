@@ -1,0 +1,73 @@
+"""Where what takes long comes from: computed now, or read from a run that kept it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from bayescal.inference.model import LinearModel
+from bayescal.inference.posterior import Posterior, sample_posterior
+
+if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
+    from bayescal.comparison.noise_evidence import NoiseEvidence
+    from bayescal.inference.sampled_model import SampledModel
+    from bayescal.inference.sampled_posterior import SampledPosterior
+
+
+class Source(Protocol):
+    """Where what takes long comes from: computed now, or read from a run that kept it."""
+
+    def posterior(
+        self, name: str, model: LinearModel, rng: np.random.Generator, ess: int
+    ) -> Posterior:
+        """Posterior of a model; `name`, such as ``"r-order-4"``, is its own in the comparison."""
+        ...
+
+    def sampled(
+        self, name: str, model: SampledModel, rng: np.random.Generator, ess: int
+    ) -> SampledPosterior:
+        """Posterior of a model without a closed form."""
+        ...
+
+    def wins(self, axis: str, unit: str) -> dict[int, float] | None:
+        """Share of bootstrap resamples of an axis each order won; None where not yet known."""
+        ...
+
+    def noises(self, axis: str) -> tuple[NoiseEvidence, ...] | None:
+        """Evidence under other noise models of an axis's defence; None where not yet known."""
+        ...
+
+
+class Computed:
+    """Everything computed now; models are sampled with emcee."""
+
+    def posterior(
+        self,
+        name: str,  # noqa: ARG002 - for those who keep draws by name
+        model: LinearModel,
+        rng: np.random.Generator,
+        ess: int,
+    ) -> Posterior:
+        """Sample a model."""
+        return sample_posterior(model, rng, ess)
+
+    def sampled(
+        self,
+        name: str,  # noqa: ARG002
+        model: SampledModel,
+        rng: np.random.Generator,
+        ess: int,
+    ) -> SampledPosterior:
+        """Sample a model without a closed form."""
+        from bayescal.inference.sampled_posterior import sample_model
+
+        return sample_model(model, rng, ess)
+
+    def wins(self, axis: str, unit: str) -> None:  # noqa: ARG002
+        """Know nothing yet."""
+        return
+
+    def noises(self, axis: str) -> None:  # noqa: ARG002
+        """Know nothing yet."""
+        return
