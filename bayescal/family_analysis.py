@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import logsumexp
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array, frozen
@@ -20,6 +22,7 @@ from bayescal.comparison.families import (
     model_probabilities,
 )
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
+from bayescal.comparison.results import Comparison
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import exact_posterior
@@ -55,8 +58,11 @@ PINHOLE_ORDERS = (0, 1, 2, 3)
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
 POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
+# ln B that is worth a line in a comparison of orders: very strong (Kass & Raftery 1995).
+DECISIVE = 5.0
 EQUAL = ("families are equally probable beforehand; within one its positions, then its orders",)
 Progress = Callable[[str, int], None]
+Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +99,7 @@ def compare_joint(
     settings: Settings,
     pinhole_orders: Sequence[int] = PINHOLE_ORDERS,
     progress: Progress | None = None,
+    pairs: Sequence[tuple[int, int]] | None = None,
 ) -> FamilyComparison:
     """Compare families of models of both axes.
 
@@ -102,7 +109,7 @@ def compare_joint(
     families : sequence of str
         Of ``"separable"``, ``"bivariate"``, ``"pinhole"``.
     orders : sequence of int
-        Polynomial degrees; every pair of them in the separable family.
+        Polynomial degrees, ascending; every pair of them in the separable family.
     positions : sequence of str or None
         ``"stated"``, ``"free"`` or both; None: stated, and free for a pinhole, whose
         position is part of its pose.
@@ -112,6 +119,8 @@ def compare_joint(
     pinhole_orders : sequence of int, optional
         Numbers of radial coefficients.
     progress : callable or None
+    pairs : sequence of tuple of int, optional
+        The only pairs of orders, of r and c, to take in the separable family.
 
     Returns
     -------
@@ -135,10 +144,12 @@ def compare_joint(
                 if family == PINHOLE:
                     ks = pinhole_orders
                     found += _pinholes(points, ks, position, radial, levels, settings)
-                elif position == STATED:
-                    found += _stated(family, axes[family], orders, points)
+                    continue
+                wanted_orders = _wanted(family, orders, pairs)
+                if position == STATED:
+                    found += _stated(family, axes[family], wanted_orders, points)
                 else:
-                    found += _free(family, axes[family], orders, points, settings)
+                    found += _free(family, axes[family], wanted_orders, points, settings)
     chances = model_probabilities(found)
     order = sorted(range(len(found)), key=lambda i: -chances[i])
     models = tuple(found[i] for i in order)
@@ -156,6 +167,45 @@ def compare_joint(
         EQUAL,
         settings.seed,
         settings.ess,
+    )
+
+
+def family_hint(points: Correspondences, result: Comparison, settings: Settings) -> str | None:
+    """Say in one line whether another family, or a free position, is decisively better.
+
+    From Laplace approximations of the pinhole of orders 0 and 1 and of the recommended
+    pair of orders at a free position, against the pair's exact evidence. None where none
+    leads by 5 nat, where there is no evidence, or where such a model can't be had.
+    """
+    axes = result.axes
+    orders = [a.verdict.order for a in axes.values()]
+    if set(axes) != set(AXES) or None in orders or settings.noise != "gaussian":
+        return None
+    stated = sum(a.chosen.log_evidence or 0.0 for a in axes.values())
+    k, m = (int(order or 0) for order in orders)
+    found: list[tuple[float, str, Array]] = []
+    with threadpool_limits(1), contextlib.suppress(InputError):
+        pair = tuple(Axis(a.data, a.noise, a.prior, a.noise_source) for a in axes.values())
+        joint = pair[0], pair[1]
+        model, _ = free_model(points, joint, (k, m))
+        found.append((position_mode(model).log_mass, f"separable ({k}, {m})", model.start))
+        data = _joint_data(joint)
+        for order in (0, 1):
+            pinhole = pinhole_model(points, order, FREE, "even", data, settings)
+            _, log_mass = ladder(pinhole)
+            theta = pinhole.geometry.full(pinhole.fit.free[None])
+            position = pinhole.geometry.position(theta)[0]
+            found.append((float(logsumexp(log_mass)), f"pinhole of order {order}", position))
+    if not found:
+        return None
+    value, name, position = max(found, key=lambda f: f[0])
+    if value - stated < DECISIVE:
+        return None
+    x, y, z = position.tolist()
+    return (
+        f"{name} with a free camera position is decisively better (2 ln B about "
+        f"{2 * (value - stated):.0f}, Laplace; position near {x:.4g}, {y:.4g}, {z:.4g}): see "
+        "compare --family separable,pinhole --position stated,free"
     )
 
 
@@ -235,12 +285,12 @@ def _plain_level(settings: Settings, sd: Array | None) -> tuple[NoiseLevel, str]
     return NoiseLevel.inferred(), "inferred"
 
 
-def _pairs(family: str, orders: Sequence[int]) -> Iterator[tuple[tuple[int, ...], int, int]]:
+def _wanted(family: str, orders: Sequence[int], pairs: Sequence[tuple[int, int]] | None) -> Wanted:
     """Orders as named, and of r and c."""
-    if family == separable.NAME:
-        yield from (((k, m), k, m) for k in orders for m in orders)
-    else:
-        yield from (((k,), k, k) for k in orders)
+    if family != separable.NAME:
+        return [((k,), k, k) for k in orders]
+    listed = pairs if pairs is not None else [(k, m) for k in orders for m in orders]
+    return [((k, m), k, m) for k, m in listed]
 
 
 def _joint_data(axes: tuple[Axis, Axis]) -> JointData:
@@ -253,14 +303,14 @@ def _criteria(log_likelihood: float, k: int, n: int) -> tuple[float, float]:
 
 
 def _stated(
-    family: str, axes: tuple[Axis, Axis], orders: Sequence[int], points: Correspondences
+    family: str, axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences
 ) -> list[JointModel]:
     """Models at the stated position: products of two axes, each in closed form."""
     data, n = _joint_data(axes), len(points)
     exact: list[dict[int, tuple[LinearModel, float, float, LeaveOneOut | None]]] = []
-    for axis in axes:
+    for i, axis in enumerate(axes):
         by_order = {}
-        for k in orders:
+        for k in sorted({wanted[1 + i] for wanted in orders}):
             model = axis.model(k)
             posterior = exact_posterior(model)
             value, error = posterior.log_evidence, posterior.log_evidence_error
@@ -269,7 +319,7 @@ def _stated(
             by_order[k] = model, value, error, leave_one_out(axis.data, posterior)
         exact.append(by_order)
     out = []
-    for named, k, m in _pairs(family, orders):
+    for named, k, m in orders:
         (r, zr, er, lr), (c, zc, ec, lc) = exact[0][k], exact[1][m]
         rss = np.array([r.factors.rss(k), c.factors.rss(m)])
         likelihood = data.log_likelihood(rss)
@@ -316,20 +366,20 @@ def free_model(
 def _free(
     family: str,
     axes: tuple[Axis, Axis],
-    orders: Sequence[int],
+    orders: Wanted,
     points: Correspondences,
     settings: Settings,
 ) -> list[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
-    for axis in axes:
-        axis.data.check(orders[-1])
+    for i, axis in enumerate(axes):
+        axis.data.check(max(wanted[1 + i] for wanted in orders))
         if axis.data.x_sd is not None and axis.data.x_sd.any():
             raise InputError(
                 f"{points.source}: errors of the world coordinates with a free camera position "
                 "are not available; drop sigma_x, sigma_y, sigma_z or --position free"
             )
     built = []
-    for named, k, m in _pairs(family, orders):
+    for named, k, m in orders:
         model, likelihood = free_model(points, axes, (k, m))
         built.append((ModelName(family, named, FREE), model, likelihood, position_mode(model)))
     best = max(built, key=lambda b: b[3].log_mass)[0]
@@ -460,7 +510,7 @@ def _caveats(
         if chance < 0.01:
             continue
         out += [f"the evidence of {model.name}: {warning}" for warning in model.warnings]
-        if not model.sound:
+        if model.posterior is not None and not model.posterior.converged:
             out.append(f"sampling of {model.name} did not reach the stopping rule")
         if model.pareto_k is not None and model.pareto_k > 1:
             out.append(f"leave-one-out of {model.name} rests on few draws (Pareto k > 1)")

@@ -87,8 +87,8 @@ class JointModel:
 
     @property
     def sound(self) -> bool:
-        """Whether its draws, if any, met the stopping rule."""
-        return self.posterior is None or self.posterior.converged
+        """Whether its draws, if any, met the stopping rule and its evidence can be trusted."""
+        return self.posterior is None or (self.posterior.converged and not self.warnings)
 
     @property
     def warnings(self) -> tuple[str, ...]:

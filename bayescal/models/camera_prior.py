@@ -178,8 +178,8 @@ class PinholePrior:
         )
         return "\n".join(
             (
-                f"ln focal_r ~ N(ln {self.focal:g}, {self.focal_log_sd:g}): 95% from {lower:.0f} to "
-                f"{upper:.0f} px; ln focal_c/focal_r ~ N(0, {self.ratio_log_sd:g})",
+                f"ln focal_r ~ N(ln {self.focal:g}, {self.focal_log_sd:g}): 95% from "
+                f"{lower:.0f} to {upper:.0f} px; ln focal_c/focal_r ~ N(0, {self.ratio_log_sd:g})",
                 f"centre_r ~ {u}, centre_c ~ {v} px",
                 f"rotation about the stated orientation ~ N(0, ({degrees})) degrees",
                 str(self.position),
