@@ -36,7 +36,7 @@ CHUNK = 4_000_000  # numbers held at once
 GIBBS = 2  # sweeps that make the quadrature's discrete sigma and tau continuous
 NEWTON = 3
 # A few thousandths of a nat, tens of thousands of times.
-QUICK = Accuracy(resolve=16.0, drop=10.0, panel_nodes=9, tau_nodes=17, panels=10)
+QUICK = Accuracy(resolve=8.0, drop=11.0, panel_nodes=9, tau_nodes=17, panels=10)
 
 
 @dataclass(frozen=True, eq=False)
