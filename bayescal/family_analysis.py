@@ -342,7 +342,7 @@ def _stated(
     exact: list[dict[int, tuple[LinearModel, float, float, LeaveOneOut | None]]] = []
     for i, axis in enumerate(axes):
         by_order = {}
-        for k in sorted({wanted[1 + i] for wanted in orders}):
+        for k in sorted({w[1] if i == 0 else w[2] for w in orders}):
             model = axis.model(k)
             posterior = exact_posterior(model)
             value, error = posterior.log_evidence, posterior.log_evidence_error
@@ -404,7 +404,7 @@ def _free(
 ) -> list[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
     for i, axis in enumerate(axes):
-        axis.data.check(max(wanted[1 + i] for wanted in orders))
+        axis.data.check(max(w[1] if i == 0 else w[2] for w in orders))
         if axis.data.x_sd is not None and axis.data.x_sd.any():
             raise InputError(
                 f"{points.source}: errors of the world coordinates with a free camera position "

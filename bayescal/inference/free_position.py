@@ -232,7 +232,7 @@ class FreePositionModel:
 
     def log_likelihood(self, full: Array) -> Array:
         """Log density of each point, r and c together, ``(n_draws, n_points)``."""
-        position, total = self.position(full), 0.0
+        position, total = self.position(full), np.zeros(1)
         for axis, (amplitudes, log_sigma, _) in zip(self.axes, self._parts(full), strict=True):
             total = total + axis.log_likelihood(position, amplitudes, log_sigma)
         return np.asarray(total)
