@@ -83,11 +83,12 @@ def from_cube(model: PinholeModel) -> Callable[[Array], Array]:
         theta[0, 1] = theta[0, 0] + prior.ratio_log_sd * z[1]
         theta[0, 2:4] = prior.centre + prior.centre_sd * z[2:4]
         theta[0, 4:7] = prior.rotation_sd * z[4:7]
+        tau = math.exp(low + (high - low) * u[-1])
         if geometry.order:
-            tau = math.exp(low + (high - low) * u[-1])
             theta[0, POSE:] = tau * prior.width * z[10:-1]
         position = prior.position.mean + prior.position.sd * z[7:10]
-        return geometry.to_anchor(theta, position)[0]
+        all_coordinates = geometry.to_anchor(theta, position)[0]
+        return np.append(all_coordinates, tau) if geometry.order else all_coordinates
 
     return transform
 
@@ -108,7 +109,7 @@ def nested() -> None:
             if not np.isfinite(theta).all():
                 return -1e100
             with np.errstate(all="ignore"):
-                residuals, possible = model._residuals(theta[None])
+                residuals, possible = model._residuals(theta[None, : POSE + model.geometry.order])
                 value = sum(model._log_marginal(i, model._rss(residuals, i))[0] for i in range(2))
             return float(value) if possible[0] and math.isfinite(value) else -1e100
 

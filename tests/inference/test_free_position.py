@@ -96,7 +96,7 @@ def test_a_position_known_exactly_leaves_the_closed_form():
 def test_what_was_integrated_out_is_drawn_from_its_exact_posterior():
     pair = axes(separable)
     free, _ = free_model(bc.thesis(), pair, (2, 1))
-    n = 4000
+    n = 1500
     theta = np.tile((free.prior.mean - free.start) / free.prior.sd, (n, 1))
     drawn = free.report(free.complete(theta, np.random.default_rng(0)))
     made = LinearModel(
