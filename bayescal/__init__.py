@@ -39,6 +39,7 @@ _EXPORTS = {
     "open_run": "bayescal.report.reopen",
     "save_run": "bayescal.report.run",
     "plot": "bayescal.report.figures.registry",
+    "outliers": "bayescal.outlier_analysis",
     "reproduce": "bayescal.reproduction",
 }
 
@@ -58,6 +59,7 @@ __all__ = [
     "load",
     "load_setup",
     "open_run",
+    "outliers",
     "plot",
     "reproduce",
     "save",
@@ -76,6 +78,7 @@ if TYPE_CHECKING:
         least_squares,
     )
     from bayescal.errors import BayescalError, InputError
+    from bayescal.outlier_analysis import outliers
     from bayescal.points.bundled import thesis
     from bayescal.points.correspondences import Correspondences
     from bayescal.points.reader import load
