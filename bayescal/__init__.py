@@ -37,6 +37,7 @@ _EXPORTS = {
     "fit_polynomial": "bayescal.api",
     "least_squares": "bayescal.api",
     "open_run": "bayescal.report.reopen",
+    "save_report": "bayescal.report.page.page",
     "save_run": "bayescal.report.run",
     "plot": "bayescal.report.figures.registry",
     "outliers": "bayescal.outlier_analysis",
@@ -63,6 +64,7 @@ __all__ = [
     "plot",
     "reproduce",
     "save",
+    "save_report",
     "save_run",
     "thesis",
 ]
@@ -85,6 +87,7 @@ if TYPE_CHECKING:
     from bayescal.points.setup import Setup, load_setup
     from bayescal.points.writer import save
     from bayescal.report.figures.registry import plot
+    from bayescal.report.page.page import save_report
     from bayescal.report.reopen import open_run
     from bayescal.report.run import save_run
     from bayescal.reproduction import reproduce

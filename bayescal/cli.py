@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 from bayescal import __version__
-from bayescal.commands import compare, fit, outliers, plot, reproduce, simulate
+from bayescal.commands import compare, fit, outliers, plot, report, reproduce, simulate
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.errors import BayescalError
 
@@ -22,6 +22,7 @@ COMMANDS = {
     "fit": fit,
     "outliers": outliers,
     "plot": plot,
+    "report": report,
     "reproduce": reproduce,
     "simulate": simulate,
 }

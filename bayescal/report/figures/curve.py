@@ -12,7 +12,7 @@ from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.models.basis import legendre_design
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import ResidualPoints
-from bayescal.report.figures.style import BLACK, BLUE, CYCLE, GREY, SKY, WIDTH, settle
+from bayescal.report.figures.style import BLACK, BLUE, CYCLE, GREY, MANY_POINTS, SKY, WIDTH, settle
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import significant
 
@@ -79,7 +79,7 @@ def draw(subject: Subject) -> Figure:
     panel.plot(
         curve.x, curve.mean, color=BLUE, linewidth=1.8, label=f"order {subject.result.order}"
     )
-    for order in axis.verdict.plausible:
+    for order in sorted(axis.verdict.plausible):
         if order != subject.result.order:
             other = Curve.of(Subject(subject.comparison, data.axis, order))
             s = data.domain.scale(other.x)
@@ -89,8 +89,10 @@ def draw(subject: Subject) -> Figure:
                 curve.x, mean, color=colour, linewidth=1, linestyle="--", label=f"order {order}"
             )
     if data.sd is not None:
-        panel.errorbar(data.x, left, data.sd, fmt="none", ecolor=GREY, elinewidth=0.7)
-    panel.plot(data.x, left, "o", color=BLACK, markersize=3.2, label="measured")
+        bars = panel.errorbar(data.x, left, data.sd, fmt="none", ecolor=GREY, elinewidth=0.7)
+        bars[2][0].set_rasterized(len(left) > MANY_POINTS)
+    many = len(left) > MANY_POINTS
+    panel.plot(data.x, left, "o", color=BLACK, markersize=3.2, label="measured", rasterized=many)
     panel.set_xlabel(f"{data.regressor}{' [1]' if '/' in data.regressor else ''}")
     panel.set_ylabel(f"{data.axis} less the straight part [{subject.unit}]")
     panel.set_title(subject.title, loc="left")

@@ -94,7 +94,7 @@ def _draw_wins(strip: Axes, found: TauSensitivity) -> None:
 def _without_tau(axis: AxisComparison) -> Figure:
     """Draw the one log evidence that each order has under a stated prior."""
     values = _evidences(axis)
-    figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
     panel = figure.subplots()
     panel.axhline(0, color=GREY, linewidth=0.8)
     panel.plot(list(values), list(values.values()), "o", color=BLUE, markersize=6)

@@ -14,10 +14,12 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import ResidualPoints
-from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH, settle
+from bayescal.report.figures.style import BLUE, GREY, MANY_POINTS, VERMILLION, WIDTH, settle
 from bayescal.report.figures.subject import Subject
 
-ARROW = 0.1  # length of a typical long arrow, as a fraction of the image's width
+# Lengths of arrows as fractions of the panel's width: of a long one (the 90 % quantile),
+# unless the longest would then be longer than it may be.
+LONG, LONGEST = 0.1, 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,11 +91,12 @@ def draw(subject: Subject) -> Figure:
     panel = figure.subplots()
     if width is not None and height is not None:
         panel.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=GREY, linewidth=0.8))
-    long = float(np.quantile(found.lengths, 0.9)) or float(found.lengths.max()) or 1.0
-    px_per_width = long / ARROW
+    long, longest = float(np.quantile(found.lengths, 0.9)), float(found.lengths.max())
+    px_per_width = max(long / LONG, longest / LONGEST) or 1.0
     out = np.zeros(len(pixels), dtype=bool)
     out[found.named] = True
-    panel.plot(*pixels[~out].T, "o", color=BLUE, markersize=2.6)
+    many = len(pixels) > MANY_POINTS
+    panel.plot(*pixels[~out].T, "o", color=BLUE, markersize=2.6, rasterized=many)
     panel.plot(*pixels[out].T, "D", color=VERMILLION, markersize=3)
     # Arrows are drawn in fractions of the panel's width, c upwards or downwards as it is.
     upwards = 1.0 if setup.c_from_bottom else -1.0
@@ -109,8 +112,9 @@ def draw(subject: Subject) -> Figure:
         headwidth=4,
         headlength=5,
         minlength=0.5,
+        rasterized=many,
     )
-    key = float(f"{long:.0e}")
+    key = float(f"{long or 1.0:.0e}")
     panel.quiverkey(quiver, 0.9, 1.03, key, f"{key:g} px", labelpos="W", color=GREY)
     _frame(panel, upwards)
     panel.set_title(found.title, loc="left")

@@ -70,14 +70,19 @@ def _by_group(found: dict[int, Prediction]) -> dict[int, float]:
 def _numbers(found: Prediction) -> str:
     if found.difference == 0:
         return "best"
-    return f"{found.difference:.1f} ± {found.difference_se:.1f}".replace("-", "\N{MINUS SIGN}")
+    return f"{_signed(found.difference)} ± {found.difference_se:.1f}"
+
+
+def _signed(value: float) -> str:
+    """Write with a true minus sign, and no minus zero."""
+    return f"{round(value, 1) + 0.0:.1f}".replace("-", "\N{MINUS SIGN}")
 
 
 def alt_text(subject: Subject) -> str:
     """Say every difference with its error."""
     found = _prediction(subject)
     parts = ", ".join(f"order {k} {_numbers(p)}" for k, p in found.items())
-    groups = ", ".join(f"order {k} {value:.1f}" for k, value in _by_group(found).items())
+    groups = ", ".join(f"order {k} {_signed(value)}" for k, value in _by_group(found).items())
     grouped = f" With {subject.group_words} left out: {groups}." if groups else ""
     return (
         f"Leave-one-out elpd of {subject.axis.data.axis} less the best order's, ± paired standard "

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from bayescal.arrays import Array
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import STANDS_OUT, ResidualPoints
-from bayescal.report.figures.style import BLUE, GREY, PALE, VERMILLION, WIDTH, settle
+from bayescal.report.figures.style import BLUE, GREY, MANY_POINTS, PALE, VERMILLION, WIDTH, settle
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import significant
 
@@ -43,10 +43,14 @@ def draw_over(subject: Subject, found: ResidualPoints, x: Array, name: str) -> F
         lines += [-bound, bound]
     panel.axhline(0, color=GREY, linewidth=0.8)
     if data.sd is not None:
-        panel.errorbar(x, e, data.sd, fmt="none", ecolor=GREY, elinewidth=0.7, label="stated sd")
+        bars = panel.errorbar(
+            x, e, data.sd, fmt="none", ecolor=GREY, elinewidth=0.7, label="stated sd"
+        )
+        bars[2][0].set_rasterized(len(e) > MANY_POINTS)
     out = np.zeros(len(e), dtype=bool)
     out[list(found.named)] = True
-    panel.plot(x[~out], e[~out], "o", color=BLUE, markersize=4, label="point")
+    many = len(e) > MANY_POINTS
+    panel.plot(x[~out], e[~out], "o", color=BLUE, markersize=4, label="point", rasterized=many)
     if out.any():
         label = f"studentised residual beyond {STANDS_OUT}"
         panel.plot(x[out], e[out], "D", color=VERMILLION, markersize=4.5, label=label)

@@ -19,6 +19,7 @@ WIDTH = 7.2  # inches: two columns of a journal
 BLUE, VERMILLION, GREEN, ORANGE = "#0072b2", "#d55e00", "#009e73", "#e69f00"
 SKY, PURPLE, BLACK, GREY = "#56b4e9", "#cc79a7", "#000000", "#666666"
 PALE = "#c9d3db"  # what matters less
+MANY_POINTS = 2000  # markers beyond it become pixels inside an SVG or PDF
 CYCLE = (BLUE, VERMILLION, GREEN, ORANGE, PURPLE, SKY, BLACK)
 DASHES = ("-", "--", ":")
 KEPT, REMOVED = BLUE, VERMILLION

@@ -11,7 +11,7 @@ from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.errors import InputError
 from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.posterior import Posterior
-from bayescal.models.basis import MonomialMap
+from bayescal.models.basis import Domain, MonomialMap
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +64,7 @@ class Subject:
             return posterior.chain.theta[..., :size].reshape(-1, size)
         columns = [posterior.names.index(f"{data.symbol}_{j}") for j in range(size)]
         coefficients = posterior.chain.draws[..., columns].reshape(-1, size)
-        to_monomials = MonomialMap(data.domain, self.result.order).matrix
-        return np.linalg.solve(to_monomials, coefficients.T).T
+        return amplitudes(coefficients, data.domain)
 
     @property
     def unit(self) -> str:
@@ -98,3 +97,21 @@ class Subject:
                 f"order {self.order} of {self.axis.data.axis} was not compared; orders: "
                 f"{', '.join(map(str, compared))}"
             )
+
+
+def amplitudes(coefficients: Array, domain: Domain) -> Array:
+    """Legendre amplitudes of draws of monomial coefficients.
+
+    Parameters
+    ----------
+    coefficients : Array
+        ``(n_draws, n_coefficients)``, px.
+    domain : Domain
+
+    Returns
+    -------
+    Array
+        ``(n_draws, n_coefficients)``, px.
+    """
+    to_monomials = MonomialMap(domain, coefficients.shape[1] - 1).matrix
+    return np.linalg.solve(to_monomials, coefficients.T).T

@@ -22,6 +22,7 @@ from bayescal.report.figures.autocorrelation import autocorrelation
 from bayescal.report.figures.qq import envelope
 from bayescal.report.figures.registry import KINDS
 from bayescal.report.figures.style import BLUE, PALE, SKY
+from bayescal.report.figures.subject import amplitudes
 from bayescal.report.figures.trace import rank_differences
 from tests.comparison.cases import camera_points
 from tests.problems import make_axis, make_model, thesis_axis
@@ -271,6 +272,15 @@ def test_curve_shows_other_plausible_orders_from_the_same_line(thesis_comparison
     )
     gap = five.get_ydata() - four.get_ydata()
     np.testing.assert_allclose(gap, truth(four.get_xdata()), atol=1e-6)
+
+
+def test_amplitudes_of_reported_draws_are_those_sampled(thesis_comparison):
+    """What a posterior without closed form is drawn from."""
+    axis = thesis_comparison.axes["r"]
+    chain = axis[4].posterior.chain
+    sampled = chain.theta[..., :5].reshape(-1, 5)
+    found = amplitudes(chain.draws[..., :5].reshape(-1, 5), axis.data.domain)
+    np.testing.assert_allclose(found, sampled, rtol=1e-9, atol=1e-9 * np.abs(sampled).max())
 
 
 def test_traces_are_the_draws(thesis_comparison):

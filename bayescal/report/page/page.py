@@ -1,0 +1,90 @@
+"""A comparison as a page: the values, and their HTML."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+import bayescal
+from bayescal.comparison.results import Comparison
+from bayescal.files import write_whole
+from bayescal.report.document import document
+from bayescal.report.page.blocks import Page
+from bayescal.report.page.sections import SECTIONS
+from bayescal.report.page.subject import PageSubject
+from bayescal.report.page.typography import symbol, typeset, visible
+from bayescal.report.terminal import header_lines
+
+NOT_SOUND = (
+    "Not sound: the draws of some models did not converge or disagree with the closed form. See "
+    "Sampling."
+)
+
+
+def page_of(comparison: Comparison, command: str) -> Page:
+    """Collect everything that a page shows.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    command : str
+        How it was asked for, for the provenance.
+
+    Returns
+    -------
+    Page
+    """
+    subject = PageSubject(comparison, document(comparison, command))
+    found = [made for section in SECTIONS if (made := section(subject)) is not None]
+    lines = header_lines(comparison) or [f"{len(subject.axes[0].data)} pairs of x and y"]
+    origin = subject.document["provenance"]
+    return Page(
+        title="Which polynomial order? A camera calibration compared"
+        if comparison.points is not None
+        else "Which polynomial order? A comparison",
+        about=tuple(line[0].upper() + line[1:] + "." for line in lines),
+        warning="" if comparison.sound else NOT_SOUND,
+        sections=tuple(found),
+        made_by=f"bayescal {bayescal.__version__}, {origin['created']}",
+    )
+
+
+def html(page: Page) -> str:
+    """Render a page as one self-contained HTML text; all text is escaped."""
+    environment = Environment(
+        loader=PackageLoader("bayescal.report.page", ""),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters.update({"typeset": typeset, "visible": visible, "symbol": symbol})
+    folder = files("bayescal.report.page")
+    own = {
+        name: Markup((folder / file).read_text(encoding="utf-8").strip())
+        for name, file in (("style", "style.css"), ("script", "script.js"))
+    }
+    return environment.get_template("template.html.j2").render(page=page, **own)
+
+
+def save_report(comparison: Comparison, path: str | Path, *, force: bool = False) -> None:
+    """Write a comparison as one self-contained HTML page.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        Sections that need a defence (``defend=True``) are left out where it has none.
+    path : str or Path
+    force : bool, optional
+        Replace an existing file.
+
+    Raises
+    ------
+    OutputError
+        Where the file exists (without `force`) or can't be written.
+    """
+    made = html(page_of(comparison, "bayescal.save_report"))
+    write_whole(Path(path), made.encode(), force=force)

@@ -1,0 +1,106 @@
+"""A page as PDF, printed by the Chromium that the machine has."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+from datetime import datetime
+from pathlib import Path
+
+from bayescal.errors import OutputError
+
+BROWSERS = (
+    "chromium",
+    "chromium-browser",
+    "google-chrome",
+    "google-chrome-stable",
+    "chrome",
+    "msedge",
+    "microsoft-edge",
+)
+TIMEOUT = 120.0  # seconds
+_DATES = re.compile(rb"/(CreationDate|ModDate) \(D:(\d{14})([+-]\d\d'\d\d')?\)")
+
+
+def find_browser() -> str:
+    """Find a Chromium on the PATH.
+
+    Raises
+    ------
+    OutputError
+        Where there is none; says how to get a PDF all the same.
+    """
+    for name in BROWSERS:
+        found = shutil.which(name)
+        if found is not None:
+            return found
+    raise OutputError(
+        "--pdf needs Chromium or Chrome on the PATH, and there is none; install it, or open the "
+        "HTML report in any browser and print it to PDF"
+    )
+
+
+def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -> bytes:
+    """Print a page on A4.
+
+    Parameters
+    ----------
+    page : str
+        HTML.
+    browser : str
+        Path of a Chromium.
+    created : str
+        ISO 8601 time that the PDF states, so that it does not depend on the clock.
+    timeout : float, optional
+        Seconds.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    OutputError
+        Where the browser fails or takes too long.
+    """
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as temporary:
+        folder = Path(temporary)
+        source, out = folder / "report.html", folder / "report.pdf"
+        source.write_text(page, encoding="utf-8")
+        command = [
+            browser,
+            "--headless",
+            "--disable-gpu",
+            "--disable-extensions",
+            "--disable-background-networking",
+            "--no-first-run",
+            f"--user-data-dir={folder / 'profile'}",
+            "--no-pdf-header-footer",
+            f"--print-to-pdf={out}",
+            source.as_uri(),
+        ]
+        if hasattr(os, "geteuid") and os.geteuid() == 0:
+            command.insert(1, "--no-sandbox")  # Chromium refuses root its sandbox
+        try:
+            subprocess.run(command, capture_output=True, check=False, timeout=timeout)
+        except subprocess.TimeoutExpired:
+            raise OutputError(f"{browser} took over {timeout:g} s to print the PDF") from None
+        except OSError as error:
+            raise OutputError(f"{browser} can't be run: {error.strerror}") from None
+        if not out.is_file():
+            raise OutputError(f"{browser} printed no PDF; open the HTML report and print it")
+        return _dated(out.read_bytes(), created)
+
+
+def _dated(raw: bytes, created: str) -> bytes:
+    """Replace the times of printing by the report's own, of the same length."""
+    stamp = datetime.fromisoformat(created).strftime("%Y%m%d%H%M%S").encode()
+
+    def replaced(found: re.Match[bytes]) -> bytes:
+        zone = b"+00'00'" if found[3] else b""
+        return b"/%s (D:%s%s)" % (found[1], stamp, zone)
+
+    return _DATES.sub(replaced, raw)

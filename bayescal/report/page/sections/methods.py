@@ -1,0 +1,145 @@
+"""A paragraph for a paper, built from what was really done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from bayescal.comparison.results import AxisComparison
+from bayescal.inference.posterior import Posterior
+from bayescal.models.noise.gaussian import GAUSSIAN
+from bayescal.models.priors import TAU_BOUNDS
+from bayescal.report.page.blocks import Block, Listing, Prose, Section
+from bayescal.report.page.subject import PageSubject
+from bayescal.report.terminal import noise_words
+
+Cite = Callable[[str], str]
+REFERENCES = {
+    "emcee": "Foreman-Mackey, Hogg, Lang & Goodman 2013, emcee: The MCMC Hammer, PASP 125, 306.",
+    "bishop": "Bishop 2006, Pattern Recognition and Machine Learning, Springer, sections 3.3, 3.5.",
+    "rhat": "Vehtari, Gelman, Simpson, Carpenter & Bürkner 2021, Rank-normalization, folding, and "
+    "localization: an improved R-hat, Bayesian Analysis 16, 667.",
+    "kass": "Kass & Raftery 1995, Bayes factors, J. Am. Stat. Assoc. 90, 773.",
+    "aicc": "Hurvich & Tsai 1989, Regression and time series model selection in small samples, "
+    "Biometrika 76, 297.",
+    "bic": "Schwarz 1978, Estimating the dimension of a model, Ann. Statist. 6, 461.",
+    "loo": "Vehtari, Gelman & Gabry 2017, Practical Bayesian model evaluation using leave-one-out "
+    "cross-validation and WAIC, Stat. Comput. 27, 1413.",
+    "psis": "Vehtari, Simpson, Gelman, Yao & Gabry 2024, Pareto smoothed importance sampling, "
+    "JMLR 25, 72.",
+    "sivula": "Sivula, Magnusson & Vehtari 2020, Uncertainty in Bayesian leave-one-out "
+    "cross-validation based model comparison, arXiv:2008.10296.",
+    "holm": "Holm 1979, A simple sequentially rejective multiple test procedure, Scand. J. "
+    "Statist. 6, 65.",
+}
+
+
+def section(subject: PageSubject) -> Section:
+    """Give the paragraph, with the references it cites numbered as cited."""
+    cited: dict[str, int] = {}
+
+    def cite(name: str) -> str:
+        return f"[{cited.setdefault(name, len(cited) + 1)}]"
+
+    sentences = [*_models(subject), *_inference(subject, cite), *_checks(subject, cite)]
+    blocks: tuple[Block, ...] = (
+        Prose(" ".join(sentences), "quote"),
+        Listing(tuple(REFERENCES[name] for name in cited), "numbered"),
+    )
+    return Section(
+        "methods",
+        "Methods",
+        "Ready to paste; built from the settings of this very analysis.",
+        blocks,
+    )
+
+
+def _models(subject: PageSubject) -> Iterable[str]:
+    first = subject.axes[0]
+    orders = [r.order for r in first.orders]
+    names = " and ".join(f"{a.data.axis} in {a.data.regressor}" for a in subject.axes)
+    listed = ", ".join(map(str, orders[:-1])) + f" and {orders[-1]}" if orders[1:] else orders[0]
+    what = "pixel coordinates" if subject.comparison.points is not None else "values"
+    yield (
+        f"The {what} of {len(first.data)} points were modelled by polynomials of "
+        f"order{'s' * (len(orders) > 1)} {listed}: {names}."
+    )
+    for axis in subject.axes:
+        yield f"The noise of {axis.data.axis} was {noise_words(axis)}."
+    yield from _prior(first)
+
+
+def _prior(axis: AxisComparison) -> Iterable[str]:
+    rule = axis.prior
+    if rule.name == "flat":
+        yield "The coefficients had a flat prior, under which models have no evidence."
+    elif rule.name == "stated":
+        yield "The Legendre amplitudes of the polynomials had the normal priors of the setup file."
+    else:
+        low, high = TAU_BOUNDS
+        strength = (
+            f"tau log-uniform from {low:g} to {high:g} and averaged over"
+            if rule.tau is None
+            else f"tau = {rule.tau:g}"
+        )
+        yield (
+            "In Legendre polynomials of the regressor scaled to [-1, 1], the amplitudes of orders "
+            "0 and 1 had normal priors with sds of half the image, those of higher orders normal "
+            f"priors about zero with sds of tau times the image, {strength}."
+        )
+
+
+def _inference(subject: PageSubject, cite: Cite) -> Iterable[str]:
+    results = [r for axis in subject.axes for r in axis.orders]
+    ess = subject.comparison.settings.ess
+    yield (
+        f"Each model was sampled with emcee {cite('emcee')} until the bulk and tail effective "
+        f"sample sizes of every parameter reached {ess}, R-hat fell below 1.01 {cite('rhat')} and "
+        "the chains were longer than 50 autocorrelation times"
+        + ("." if all(r.posterior.converged for r in results) else "; not all models reached it.")
+    )
+    if all(isinstance(r.posterior, Posterior) for r in results):
+        yield (
+            f"The closed-form posterior {cite('bishop')}, with sigma and tau integrated by "
+            "quadrature, gave the evidence and checked the means and standard deviations of the "
+            "draws."
+        )
+    else:
+        yield ("The evidence was estimated by importance sampling and checked by bridge sampling.")
+    if all(axis.verdict.order is not None for axis in subject.axes):
+        yield (
+            "Orders were equally probable beforehand; the plausible ones are the fewest whose "
+            "posterior probabilities reach 0.95, and the strength of evidence is in the words of "
+            f"Kass & Raftery {cite('kass')}."
+        )
+
+
+def _checks(subject: PageSubject, cite: Cite) -> Iterable[str]:
+    if all(axis.noise_model.name == GAUSSIAN.name for axis in subject.axes):
+        yield (
+            "For comparison, AICc and BIC were computed from the full maximised likelihood "
+            f"{cite('aicc')}, {cite('bic')}."
+        )
+    defences = [axis.defence for axis in subject.axes if axis.defence is not None]
+    if any(d.prediction for d in defences):
+        yield (
+            f"Predictive accuracy was judged by leave-one-out {cite('loo')}, with Pareto-smoothed "
+            f"importance sampling {cite('psis')} of the draws; the standard errors of small "
+            f"samples may be too small {cite('sivula')}."
+        )
+    resampled = [b for d in defences[:1] for b in d.resampled]
+    if resampled:
+        units = " and ".join(f"{b.unit}s" for b in resampled)
+        yield (
+            f"The choice was repeated over {resampled[0].resamples} bootstrap resamples of the "
+            f"{units}, and with every single one removed."
+        )
+    if any(axis.adequacy for axis in subject.axes):
+        yield (
+            "The adequacy of the recommended orders was tested with p-values adjusted for each "
+            f"other {cite('holm')}."
+        )
+    origin = subject.document["provenance"]
+    yield (
+        f"bayescal {origin['bayescal']} was used, with emcee {origin['emcee']}, numpy "
+        f"{origin['numpy']} and seed {origin['seed']}."
+    )

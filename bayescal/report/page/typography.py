@@ -1,0 +1,49 @@
+"""Text as a page shows it: true signs, and nothing that could reorder or hide it."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+# Joiners that scripts need; other invisible characters are named instead of obeyed.
+_KEPT = {"\u200c", "\u200d", "\u00ad"}
+# What the program's own words write in ASCII.
+_SIGNS = (
+    (re.compile(r"(?<![\w.\-])-(?=\.?\d)"), "\N{MINUS SIGN}"),
+    (re.compile(r"\bchi2\b"), "\N{GREEK SMALL LETTER CHI}\N{SUPERSCRIPT TWO}"),
+    (re.compile(r"\bd(?=(?:AIC|AICc|BIC)\b)"), "\N{GREEK CAPITAL LETTER DELTA}"),
+    (re.compile(r"\bR-hat\b"), "R\u0302"),
+    (re.compile(r"(?<=\d)%"), "\N{NARROW NO-BREAK SPACE}%"),
+    (re.compile(r"(?<=\d) (?=(?:px|nat|%)(?!\w))"), "\N{NO-BREAK SPACE}"),
+)
+_LETTERS = {"alpha": "α", "beta": "β", "sigma": "σ", "tau": "τ", "nu": "ν"}  # noqa: RUF001
+_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+
+def visible(text: str) -> str:
+    """Name the characters that would hide, break or reorder the text around them.
+
+    Bidirectional overrides, control characters and lone surrogates are shown as their
+    code points; letters of every script, accents and emoji stay.
+    """
+    return "".join(
+        f"[U+{ord(c):04X}]" if unicodedata.category(c)[0] == "C" and c not in _KEPT else c
+        for c in text
+    )
+
+
+def typeset(text: str) -> str:
+    """Give words that the program wrote in ASCII their signs, such as a true minus."""
+    text = visible(text)
+    for pattern, sign in _SIGNS:
+        text = pattern.sub(sign, text)
+    return text
+
+
+def symbol(name: str) -> str:
+    """Write a parameter such as ``alpha_2`` in Greek with a subscript, where it is one."""
+    stem, _, index = name.partition("_")
+    if stem.partition(" ")[0] not in _LETTERS or (index and not index.isdigit()):
+        return typeset(name)
+    letter, space, rest = stem.partition(" ")
+    return _LETTERS[letter] + index.translate(_SUBSCRIPTS) + space + rest
