@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import logsumexp
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array, frozen
@@ -22,22 +20,17 @@ from bayescal.comparison.families import (
     model_probabilities,
 )
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
-from bayescal.comparison.results import Comparison
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.free_position import (
-    FreePositionModel,
-    MovingAxis,
-    best_position,
-    position_mode,
-)
+from bayescal.inference.free_position import FreePositionModel, MovingAxis
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.least_squares import factorise
 from bayescal.inference.model import LinearModel
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_fit import JointData, PinholeFit, fit_pinhole
 from bayescal.inference.pinhole_proposal import ladder
+from bayescal.inference.position_search import best_position, position_mode
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.inference.t_mixture import TMixture
 from bayescal.models import bivariate, separable
@@ -58,8 +51,6 @@ PINHOLE_ORDERS = (0, 1, 2, 3)
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
 POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
-# 2 ln B, or BIC, that is worth a line in a comparison of orders: very strong (Kass & Raftery).
-DECISIVE = 10.0
 EQUAL = ("families are equally probable beforehand; within one its positions, then its orders",)
 Progress = Callable[[str, int], None]
 Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
@@ -170,77 +161,6 @@ def compare_joint(
     )
 
 
-def family_hint(points: Correspondences, result: Comparison, settings: Settings) -> str | None:
-    """Say in one line whether another family, or a free position, is decisively better.
-
-    The pinhole of orders 0 and 1 and the recommended pair of orders at a free position, by
-    BIC and by Laplace approximations of the evidence, against the pair at the stated position.
-    None where neither leads by 10, where there is no evidence, or where no such model can
-    be had.
-    """
-    axes = result.axes
-    if set(axes) != set(AXES) or settings.noise != "gaussian":
-        return None
-    chosen = [axes[name].chosen for name in AXES]
-    if any(c.log_evidence is None or c.criteria.bic is None for c in chosen):
-        return None
-    bic = sum(c.criteria.bic or 0.0 for c in chosen)
-    stated = sum(c.log_evidence or 0.0 for c in chosen)
-    with threadpool_limits(1):
-        found = _rivals(points, result, settings)
-    if not found:
-        return None
-    gain, lower, name, position = max(
-        (2 * (r.log_evidence - stated), bic - r.bic, r.name, r.position) for r in found
-    )
-    by_bic = max(found, key=lambda r: -r.bic)
-    if gain < DECISIVE:
-        gain, lower = 2 * (by_bic.log_evidence - stated), bic - by_bic.bic
-        name, position = by_bic.name, by_bic.position
-    if max(gain, lower) < DECISIVE:
-        return None
-    x, y, z = position
-    return (
-        f"{name} with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g}) describes these "
-        f"points decisively better by {'evidence' if gain >= DECISIVE else 'BIC'}: BIC lower by "
-        f"{lower:.0f}, 2 ln B about {gain:.0f} (Laplace); see compare --family separable,pinhole "
-        "--position stated,free"
-    )
-
-
-@dataclass(frozen=True)
-class _Rival:
-    """A model that might beat the recommended orders at the stated position."""
-
-    log_evidence: float
-    bic: float
-    name: str
-    position: tuple[float, ...]
-
-
-def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> list[_Rival]:
-    """Fit the models of the hint, as far as the points allow."""
-    r, c = (Axis(a.data, a.noise, a.prior, a.noise_source) for a in (result.axes[n] for n in AXES))
-    k, m = (result.axes[name].chosen.order for name in AXES)
-    data, n, out = _joint_data((r, c)), len(points), []
-    with contextlib.suppress(InputError):
-        model, likelihood = free_model(points, (r, c), (k, m))
-        count = k + m + 5 + sum(data.inferred)
-        bic = _criteria(likelihood, count, n)[1]
-        mass = position_mode(model).log_mass
-        out.append(_Rival(mass, bic, f"separable ({k}, {m})", tuple(model.start.tolist())))
-    with contextlib.suppress(InputError):
-        for order in (0, 1):
-            pinhole = pinhole_model(points, order, FREE, "even", data, settings)
-            _, log_mass = ladder(pinhole)
-            position = pinhole.geometry.position(pinhole.geometry.full(pinhole.fit.free[None]))[0]
-            count = pinhole.geometry.dimension + sum(data.inferred)
-            bic = _criteria(pinhole.fit.log_likelihood, count, n)[1]
-            mass = float(logsumexp(log_mass))
-            out.append(_Rival(mass, bic, f"pinhole of order {order}", tuple(position.tolist())))
-    return out
-
-
 def check_request(
     families: Sequence[str], positions: Sequence[str] | None, settings: Settings
 ) -> None:
@@ -325,12 +245,14 @@ def _wanted(family: str, orders: Sequence[int], pairs: Sequence[tuple[int, int]]
     return [((k, m), k, m) for k, m in listed]
 
 
-def _joint_data(axes: tuple[Axis, Axis]) -> JointData:
+def joint_data(axes: tuple[Axis, Axis]) -> JointData:
+    """Pixels of both axes with their noise levels."""
     r, c = axes
     return JointData(np.stack([r.data.t, c.data.t]), (r.data.sd, c.data.sd), (r.noise, c.noise))
 
 
-def _criteria(log_likelihood: float, k: int, n: int) -> tuple[float, float]:
+def criteria_of(log_likelihood: float, k: int, n: int) -> tuple[float, float]:
+    """Give AIC and BIC of K parameters; n counts points."""
     return -2 * log_likelihood + 2 * k, -2 * log_likelihood + k * math.log(n)
 
 
@@ -338,7 +260,7 @@ def _stated(
     family: str, axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences
 ) -> list[JointModel]:
     """Models at the stated position: products of two axes, each in closed form."""
-    data, n = _joint_data(axes), len(points)
+    data, n = joint_data(axes), len(points)
     exact: list[dict[int, tuple[LinearModel, float, float, LeaveOneOut | None]]] = []
     for i, axis in enumerate(axes):
         by_order = {}
@@ -357,7 +279,7 @@ def _stated(
         likelihood = data.log_likelihood(rss)
         count = r.size + c.size + sum(data.inferred)
         pointwise = lr.pointwise + lc.pointwise if lr is not None and lc is not None else None
-        aic, bic = _criteria(likelihood, count, n)
+        aic, bic = criteria_of(likelihood, count, n)
         out.append(
             JointModel(
                 ModelName(family, named, STATED),
@@ -391,7 +313,7 @@ def free_model(
         MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
         for i, (a, k) in enumerate(zip(axes, orders, strict=True))
     ]
-    start, likelihood = best_position(moving, prior, _joint_data(axes).log_likelihood)
+    start, likelihood = best_position(moving, prior, joint_data(axes).log_likelihood)
     return FreePositionModel((moving[0], moving[1]), prior, frozen(start)), likelihood
 
 
@@ -466,7 +388,7 @@ def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.G
 def _joint(
     name: ModelName, count: int, likelihood: float, n: int, found: _Found, position: Array
 ) -> JointModel:
-    aic, bic = _criteria(likelihood, count, n)
+    aic, bic = criteria_of(likelihood, count, n)
     return JointModel(
         name,
         count,

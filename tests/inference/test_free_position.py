@@ -9,10 +9,10 @@ from scipy.optimize import minimize
 import bayescal as bc
 from bayescal.family_analysis import Axis, free_model
 from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.free_position import position_mode, profile
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.least_squares import factorise
 from bayescal.inference.model import LinearModel
+from bayescal.inference.position_search import position_mode, profile
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.models import bivariate, separable
 from bayescal.models.camera_prior import PositionPrior
