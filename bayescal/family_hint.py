@@ -30,7 +30,7 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
 
     The pinhole of orders 0 and 1 and the recommended pair of orders at a free position, by
     BIC and by Laplace approximations of the evidence, against the pair at the stated position.
-    None where neither leads by 10, where there is no evidence, or where no such model can
+    None where neither leads by 10 or they disagree, where there is no evidence, or where no such model can
     be had.
     """
     axes = result.axes
@@ -52,7 +52,8 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
     if gain < DECISIVE:
         gain, lower = 2 * (by_bic.log_evidence - stated), bic - by_bic.bic
         name, position = by_bic.name, by_bic.position
-    if max(gain, lower) < DECISIVE:
+    # BIC of few points flatters a model that all but fits them exactly: evidence must agree.
+    if gain <= 0 or max(gain, lower) < DECISIVE:
         return None
     x, y, z = position
     return (
