@@ -30,14 +30,17 @@ _EXPORTS = {
     "save": "bayescal.points.writer",
     "thesis": "bayescal.points.bundled",
     "compare": "bayescal.api",
+    "compare_families": "bayescal.api",
     "compare_polynomials": "bayescal.api",
     "fit": "bayescal.api",
+    "fit_family": "bayescal.api",
     "fit_polynomial": "bayescal.api",
     "least_squares": "bayescal.api",
     "open_run": "bayescal.report.reopen",
     "save_report": "bayescal.report.page.page",
     "save_run": "bayescal.report.run",
     "plot": "bayescal.report.figures.registry",
+    "outliers": "bayescal.outlier_analysis",
     "reproduce": "bayescal.reproduction",
 }
 
@@ -48,13 +51,16 @@ __all__ = [
     "Setup",
     "__version__",
     "compare",
+    "compare_families",
     "compare_polynomials",
     "fit",
+    "fit_family",
     "fit_polynomial",
     "least_squares",
     "load",
     "load_setup",
     "open_run",
+    "outliers",
     "plot",
     "reproduce",
     "save",
@@ -66,12 +72,15 @@ __all__ = [
 if TYPE_CHECKING:
     from bayescal.api import (
         compare,
+        compare_families,
         compare_polynomials,
         fit,
+        fit_family,
         fit_polynomial,
         least_squares,
     )
     from bayescal.errors import BayescalError, InputError
+    from bayescal.outlier_analysis import outliers
     from bayescal.points.bundled import thesis
     from bayescal.points.correspondences import Correspondences
     from bayescal.points.reader import load

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
 from bayescal.inference.pinhole_laplace import Normal, laplace
 from bayescal.models.camera_prior import PinholePrior
-from bayescal.models.log_uniform import LogUniform
 from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.pinhole import POSE, PinholeGeometry
+from bayescal.models.strength import Strength
 from bayescal.points.setup import AXES
 
 # tau about which the sampled coordinates are whitened where it is inferred.
@@ -48,7 +49,7 @@ class PinholeModel:
     data: JointData
     fit: PinholeFit
     frame: Normal
-    noise: NoiseModel = Gaussian()
+    noise: NoiseModel = field(default_factory=Gaussian)
 
     @classmethod
     def of(
@@ -113,8 +114,8 @@ class PinholeModel:
                     density = self.noise.log_density(residual, log_sigma, eta, sd).sum(axis=1)
                     level = self.data.levels[i]
                     total = total + density + self.noise.log_prior(eta) + level.log_prior()
-                    possible &= inside
-        return np.where(possible & np.isfinite(total), total, -np.inf)
+                    possible = possible & inside
+        return np.asarray(np.where(possible & np.isfinite(total), total, -np.inf))
 
     def starts(self) -> Array:
         """Where the frame is centred; under other noise with each of its starts."""
@@ -140,11 +141,10 @@ class PinholeModel:
             for i, level in enumerate(self.data.levels):
                 if level.bounds is not None:
                     rss = self._rss(residuals, i)
-                    columns.append(np.log(LogUniform(*level.bounds).draw(rng, rss, self.data.n)))
+                    columns.append(Strength(level.log_bounds, self.data.n).draw(rss, rng))
         if self.infers_tau:
-            q = (full[:, POSE:] ** 2).sum(axis=1)
-            strength = self.prior.strength.draw(rng, q, self.geometry.order)
-            columns.append(np.log(strength / self.prior.width))
+            q = ((full[:, POSE:] / self.prior.width) ** 2).sum(axis=1)
+            columns.append(self.prior.strength(self.geometry.order).draw(q, rng))
         return np.column_stack(columns)
 
     def report(self, full: Array) -> Array:
@@ -184,11 +184,12 @@ class PinholeModel:
             out.append(found.mean(axis=0))
         return np.stack(out)
 
-    def _residuals(self, full: Array) -> tuple[Array, Array]:
+    def _residuals(self, full: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Measured less predicted, ``(n_draws, 2, n_points)``, and which draws see all points."""
         pixels, depth = self.geometry.project(full)
         residuals = self.data.pixels - pixels
-        possible = (depth > 0).all(axis=1) & np.isfinite(residuals).all(axis=(1, 2))
+        seen = (depth > 0).all(axis=1) & np.isfinite(residuals).all(axis=(1, 2))
+        possible: NDArray[np.bool_] = np.asarray(seen)
         return np.where(possible[:, None, None], residuals, 0.0), possible
 
     def _rss(self, residuals: Array, axis: int) -> Array:
@@ -197,11 +198,11 @@ class PinholeModel:
     def _log_marginal(self, axis: int, rss: Array) -> Array:
         """Gaussian log likelihood of an axis, sigma integrated out where it is inferred."""
         level, n = self.data.levels[axis], self.data.n
-        constant = -n / 2 * LOG_2PI - self._log_sd[axis]
-        if level.bounds is not None:
-            return constant + LogUniform(*level.bounds).log_integral(rss, n)
-        assert level.value is not None, "a level without bounds is known"
-        return np.asarray(constant - n * np.log(level.value) - rss / level.value**2 / 2)
+        if level.value is None:
+            averaged = Strength(level.log_bounds, n).log_density(rss)
+            return np.asarray(averaged - self._log_sd[axis])
+        constant = -n / 2 * LOG_2PI - n * np.log(level.value) - self._log_sd[axis]
+        return np.asarray(constant - rss / level.value**2 / 2)
 
     @cached_property
     def _log_frame(self) -> float:
@@ -212,8 +213,8 @@ class PinholeModel:
     def _log_sd(self) -> Array:
         return np.asarray(np.log(self.data.deviations).sum(axis=1))
 
-    def _noise(self, columns: Array) -> list[tuple[Array, Array, Array]]:
-        """Ln sigma, eta and whether sigma is within its bounds, of each axis."""
+    def _noise(self, columns: Array) -> list[tuple[Array, Array, NDArray[np.bool_]]]:
+        """Give ln sigma, eta and whether sigma is within its bounds, of each axis."""
         at, q, out = self.geometry.dimension, self.noise.dimension, []
         for level in self.data.levels:
             inside = np.ones(len(columns), dtype=bool)

@@ -71,7 +71,9 @@ def open_run(folder: str | Path, *, defend: bool | None = None) -> Comparison:
         raise InputError(f"{run.folder}: {wrong}: {run.between()}; {run.again}")
     # With other answers than the run's it is no longer what the run holds.
     same = settings == run.settings
-    return dataclasses.replace(comparison, origin=run.document["provenance"] if same else None)
+    hint = run.document.get("families", {}).get("hint")
+    origin = run.document["provenance"] if same else None
+    return dataclasses.replace(comparison, origin=origin, hint=hint)
 
 
 @dataclass(frozen=True, eq=False)

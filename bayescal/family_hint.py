@@ -1,0 +1,97 @@
+"""Whether a comparison of orders should have been one of families: the line that says so."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import logsumexp
+from threadpoolctl import threadpool_limits
+
+from bayescal.comparison.families import FREE
+from bayescal.comparison.results import Comparison
+from bayescal.errors import InputError
+from bayescal.family_analysis import Axis, criteria_of, free_model, joint_data, pinhole_model
+from bayescal.inference.pinhole_proposal import ladder
+from bayescal.inference.position_search import position_mode
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import AXES
+from bayescal.settings import Settings
+
+# Points that no such model can be fitted to: a comparison of orders goes on without the line.
+NO_MODEL = (InputError, np.linalg.LinAlgError, ValueError)
+# 2 ln B, or BIC, that is worth a line in a comparison of orders: very strong (Kass & Raftery).
+DECISIVE = 10.0
+
+
+def family_hint(points: Correspondences, result: Comparison, settings: Settings) -> str | None:
+    """Say in one line whether another family, or a free position, is decisively better.
+
+    The pinhole of orders 0 and 1 and the recommended pair of orders at a free position, by
+    BIC and by Laplace approximations of the evidence, against the pair at the stated position.
+    None where neither leads by 10 or they disagree, where there is no evidence, or where no such model can
+    be had.
+    """
+    axes = result.axes
+    if set(axes) != set(AXES) or settings.noise != "gaussian":
+        return None
+    chosen = [axes[name].chosen for name in AXES]
+    if any(c.log_evidence is None or c.criteria.bic is None for c in chosen):
+        return None
+    bic = sum(c.criteria.bic or 0.0 for c in chosen)
+    stated = sum(c.log_evidence or 0.0 for c in chosen)
+    with threadpool_limits(1), np.errstate(all="ignore"):
+        found = _rivals(points, result, settings)
+    if not found:
+        return None
+    gain, lower, name, position = max(
+        (2 * (r.log_evidence - stated), bic - r.bic, r.name, r.position) for r in found
+    )
+    by_bic = max(found, key=lambda r: -r.bic)
+    if gain < DECISIVE:
+        gain, lower = 2 * (by_bic.log_evidence - stated), bic - by_bic.bic
+        name, position = by_bic.name, by_bic.position
+    # BIC of few points flatters a model that all but fits them exactly: evidence must agree.
+    if gain <= 0 or max(gain, lower) < DECISIVE:
+        return None
+    x, y, z = position
+    return (
+        f"{name} with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g}) describes these "
+        f"points decisively better by {'evidence' if gain >= DECISIVE else 'BIC'}: BIC lower by "
+        f"{lower:.0f}, 2 ln B about {gain:.0f} (Laplace); see compare --family separable,pinhole "
+        "--position stated,free"
+    )
+
+
+@dataclass(frozen=True)
+class _Rival:
+    """A model that might beat the recommended orders at the stated position."""
+
+    log_evidence: float
+    bic: float
+    name: str
+    position: tuple[float, ...]
+
+
+def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> list[_Rival]:
+    """Fit the models of the hint, as far as the points allow."""
+    r, c = (Axis(a.data, a.noise, a.prior, a.noise_source) for a in (result.axes[n] for n in AXES))
+    k, m = (result.axes[name].chosen.order for name in AXES)
+    data, n, out = joint_data((r, c)), len(points), []
+    with contextlib.suppress(*NO_MODEL):
+        model, likelihood = free_model(points, (r, c), (k, m))
+        count = k + m + 5 + sum(data.inferred)
+        bic = criteria_of(likelihood, count, n)[1]
+        mass = position_mode(model).log_mass
+        out.append(_Rival(mass, bic, f"separable ({k}, {m})", tuple(model.start.tolist())))
+    with contextlib.suppress(*NO_MODEL):
+        for order in (0, 1):
+            pinhole = pinhole_model(points, order, FREE, "even", data, settings)
+            _, log_mass = ladder(pinhole)
+            position = pinhole.geometry.position(pinhole.geometry.full(pinhole.fit.free[None]))[0]
+            count = pinhole.geometry.dimension + sum(data.inferred)
+            bic = criteria_of(pinhole.fit.log_likelihood, count, n)[1]
+            mass = float(logsumexp(log_mass))
+            out.append(_Rival(mass, bic, f"pinhole of order {order}", tuple(position.tolist())))
+    return out
