@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 
+import jsonschema
 import numpy as np
 import pytest
 
 import bayescal as bc
+from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.outliers import RobustView, cooks_distance, eliminate, point_records
 from bayescal.comparison.rejection import RejectionRule
 from bayescal.comparison.shared_errors import shared_errors
 from bayescal.inference.design_fit import fit_design
 from bayescal.models.separable import axis_data
 from bayescal.outlier_analysis import outliers
-from bayescal.report.outliers import outliers_document, outliers_view
+from bayescal.report.outliers import outliers_document, outliers_schema, outliers_view
 from bayescal.report.render import render
 
 
@@ -88,7 +90,7 @@ def _records(data, off, bad):
     n = len(data)
     elimination = eliminate(data, [1], RejectionRule())
     view = RobustView(data.t - off, np.full(n, 0.3), np.where(bad, 0.99, 0.01), np.ones(n))
-    loo = {1: type("Loo", (), {"pointwise": np.full(n, -2.0)})()}
+    loo = {1: LeaveOneOut(np.full(n, -2.0), -2.0 * n, 0.0, 2.0, 0)}
     return point_records(data, elimination, 1, loo, {1: -100.0}, view)
 
 
@@ -115,6 +117,7 @@ def test_errors_are_shared_only_by_points_that_err_alike():
 
 def test_the_document_says_what_the_study_found_and_holds_no_nan(study):
     found = json.loads(json.dumps(outliers_document(study, "bayescal outliers"), allow_nan=False))
+    jsonschema.validate(found, outliers_schema())
     axis = found["axes"]["c"]
     assert [p["label"] for p in axis["points"]] == [p.label for p in study.axes["c"].points]
     assert len(axis["treatments"]) == 4
