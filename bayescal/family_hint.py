@@ -21,7 +21,7 @@ from bayescal.settings import Settings
 
 # Points that no such model can be fitted to: a comparison of orders goes on without the line.
 NO_MODEL = (InputError, np.linalg.LinAlgError, ValueError)
-# 2 ln B, or BIC, that is worth a line in a comparison of orders: very strong (Kass & Raftery).
+# 2 ln B, or BIC, worth a line in a comparison of orders: very strong (Kass & Raftery 1995).
 DECISIVE = 10.0
 
 
