@@ -30,8 +30,8 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
 
     The pinhole of orders 0 and 1 and the recommended pair of orders at a free position, by
     BIC and by Laplace approximations of the evidence, against the pair at the stated position.
-    None where neither leads by 10 or they disagree, where there is no evidence, or where no such model can
-    be had.
+    None where neither leads by 10 or they disagree, where there is no evidence, or where no
+    such model can be had.
     """
     axes = result.axes
     if set(axes) != set(AXES) or settings.noise != "gaussian":
