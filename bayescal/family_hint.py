@@ -21,7 +21,7 @@ from bayescal.settings import Settings
 
 # Points that no such model can be fitted to: a comparison of orders goes on without the line.
 NO_MODEL = (InputError, np.linalg.LinAlgError, ValueError)
-# 2 ln B, or BIC, that is worth a line in a comparison of orders: very strong (Kass & Raftery).
+# 2 ln B, or BIC, worth a line in a comparison of orders: very strong (Kass & Raftery 1995).
 DECISIVE = 10.0
 
 
@@ -30,8 +30,8 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
 
     The pinhole of orders 0 and 1 and the recommended pair of orders at a free position, by
     BIC and by Laplace approximations of the evidence, against the pair at the stated position.
-    None where neither leads by 10 or they disagree, where there is no evidence, or where no such model can
-    be had.
+    None where neither leads by 10 or they disagree, where there is no evidence, or where no
+    such model can be had.
     """
     axes = result.axes
     if set(axes) != set(AXES) or settings.noise != "gaussian":
