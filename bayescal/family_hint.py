@@ -21,7 +21,7 @@ from bayescal.settings import Settings
 
 # Points that no such model can be fitted to: a comparison of orders goes on without the line.
 NO_MODEL = (InputError, np.linalg.LinAlgError, ValueError)
-# 2 ln B, or BIC, worth a line in a comparison of orders: very strong (Kass & Raftery 1995).
+# 2 ln B worth a line in a comparison of orders: very strong (Kass & Raftery 1995).
 DECISIVE = 10.0
 
 
@@ -29,9 +29,8 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
     """Say in one line whether another family, or a free position, is decisively better.
 
     The pinhole of orders 0 and 1 and the recommended pair of orders at a free position, by
-    BIC and by Laplace approximations of the evidence, against the pair at the stated position.
-    None where neither leads by 10 or they disagree, where there is no evidence, or where no
-    such model can be had.
+    Laplace approximations of the evidence, against the pair at the stated position. None
+    where 2 ln B is below 10, where there is no evidence, or where no such model can be had.
     """
     axes = result.axes
     if set(axes) != set(AXES) or settings.noise != "gaussian":
@@ -45,22 +44,15 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
         found = _rivals(points, result, settings)
     if not found:
         return None
-    gain, lower, name, position = max(
-        (2 * (r.log_evidence - stated), bic - r.bic, r.name, r.position) for r in found
-    )
-    by_bic = max(found, key=lambda r: -r.bic)
+    best = max(found, key=lambda rival: rival.log_evidence)
+    gain, lower = 2 * (best.log_evidence - stated), bic - best.bic
     if gain < DECISIVE:
-        gain, lower = 2 * (by_bic.log_evidence - stated), bic - by_bic.bic
-        name, position = by_bic.name, by_bic.position
-    # BIC of few points flatters a model that all but fits them exactly: evidence must agree.
-    if gain <= 0 or max(gain, lower) < DECISIVE:
         return None
-    x, y, z = position
+    x, y, z = best.position
     return (
-        f"{name} with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g}) describes these "
-        f"points decisively better by {'evidence' if gain >= DECISIVE else 'BIC'}: BIC lower by "
-        f"{lower:.0f}, 2 ln B about {gain:.0f} (Laplace); see compare --family separable,pinhole "
-        "--position stated,free"
+        f"{best.name} with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g}) describes these "
+        f"points decisively better: 2 ln B about {gain:.0f} (Laplace), BIC lower by {lower:.0f}; "
+        "see compare --family separable,pinhole --position stated,free"
     )
 
 
