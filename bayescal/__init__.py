@@ -30,8 +30,10 @@ _EXPORTS = {
     "save": "bayescal.points.writer",
     "thesis": "bayescal.points.bundled",
     "compare": "bayescal.api",
+    "compare_families": "bayescal.api",
     "compare_polynomials": "bayescal.api",
     "fit": "bayescal.api",
+    "fit_family": "bayescal.api",
     "fit_polynomial": "bayescal.api",
     "least_squares": "bayescal.api",
     "open_run": "bayescal.report.reopen",
@@ -48,8 +50,10 @@ __all__ = [
     "Setup",
     "__version__",
     "compare",
+    "compare_families",
     "compare_polynomials",
     "fit",
+    "fit_family",
     "fit_polynomial",
     "least_squares",
     "load",
@@ -66,8 +70,10 @@ __all__ = [
 if TYPE_CHECKING:
     from bayescal.api import (
         compare,
+        compare_families,
         compare_polynomials,
         fit,
+        fit_family,
         fit_polynomial,
         least_squares,
     )

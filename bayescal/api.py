@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import dataclasses
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -13,9 +15,13 @@ from bayescal.comparison.results import Comparison, OrderResult
 from bayescal.errors import InputError
 from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
 from bayescal.models.linear import generic_axis
+from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import axis_names
 from bayescal.settings import DEFAULT_ESS, DEFAULT_ORDERS, Settings, checked_orders
+
+if TYPE_CHECKING:  # a plain comparison does not pay for the families
+    from bayescal.comparison.families import FamilyComparison
 
 
 def compare(
@@ -32,6 +38,7 @@ def compare(
     seed: int = 0,
     ess: int = DEFAULT_ESS,
     defend: bool = False,
+    hint: bool = True,
     progress: Progress | None = None,
 ) -> Comparison:
     """Compare polynomial orders of the separable family, axis by axis.
@@ -67,6 +74,8 @@ def compare(
     defend : bool, optional
         Also answer a referee: leave-one-out, sensitivity to the prior, stability under
         removal and resampling of points, orders beyond the range (some seconds more).
+    hint : bool, optional
+        Look whether another family or a free camera position is decisively better.
     progress : callable, optional
         Called with axis and order before each model is sampled.
 
@@ -81,7 +90,116 @@ def compare(
     """
     wanted = checked_orders(orders)
     settings = Settings(sigma, prior, tau, seed, ess, defend, noise, nu, bad_offset)
-    return analyse_points(points, dict.fromkeys(axis_names(axis), wanted), settings, progress)
+    by_axis = dict.fromkeys(axis_names(axis), wanted)
+    result = analyse_points(points, by_axis, settings, progress)
+    if not hint:
+        return result
+    from bayescal.family_analysis import family_hint
+
+    return dataclasses.replace(result, hint=family_hint(points, result, settings))
+
+
+def compare_families(
+    points: Correspondences,
+    families: Sequence[str] = ("separable", "bivariate", "pinhole"),
+    orders: Iterable[int] = DEFAULT_ORDERS,
+    *,
+    position: Sequence[str] | None = None,
+    radial: Radial = "even",
+    radial_orders: Sequence[int] = (0, 1, 2, 3),
+    sigma: float | str | None = None,
+    prior: str | None = None,
+    tau: float | None = None,
+    noise: str = "gaussian",
+    nu: float | None = None,
+    bad_offset: bool = False,
+    seed: int = 0,
+    ess: int = DEFAULT_ESS,
+    progress: Progress | None = None,
+) -> FamilyComparison:
+    """Compare families of models of r and c together, their orders and the camera position.
+
+    Parameters
+    ----------
+    points : Correspondences
+    families : sequence of str, optional
+        Of ``"separable"``, ``"bivariate"``, ``"pinhole"``.
+    orders : iterable of int, optional
+        Polynomial degrees; every pair of them in the separable family.
+    position : sequence of str, optional
+        ``"stated"``, ``"free"`` or both; by default stated, and free for a pinhole.
+    radial : str, optional
+        ``"even"`` or ``"all"`` powers of the radius in the pinhole's distortion.
+    radial_orders : sequence of int, optional
+        Numbers of radial coefficients.
+    sigma, prior, tau, noise, nu, bad_offset, seed, ess, progress
+        As in `compare`; noise other than Gaussian for the pinhole alone.
+
+    Returns
+    -------
+    FamilyComparison
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine a model, or a setting is not usable.
+    """
+    from bayescal.family_analysis import compare_joint
+
+    settings = Settings(sigma, prior, tau, seed, ess, False, noise, nu, bad_offset)
+    numbers = tuple(sorted(set(radial_orders)))
+    wanted = checked_orders(orders)
+    return compare_joint(points, families, wanted, position, radial, settings, numbers, progress)
+
+
+def fit_family(
+    points: Correspondences,
+    family: str,
+    orders: tuple[int, ...],
+    *,
+    position: str | None = None,
+    radial: Radial = "even",
+    sigma: float | str | None = None,
+    prior: str | None = None,
+    tau: float | None = None,
+    noise: str = "gaussian",
+    nu: float | None = None,
+    bad_offset: bool = False,
+    seed: int = 0,
+    ess: int = DEFAULT_ESS,
+) -> FamilyComparison:
+    """Fit one model of r and c together; what `compare_families` gives, with one model.
+
+    Parameters
+    ----------
+    points : Correspondences
+    family : str
+    orders : tuple of int
+        Of r and c in the separable family, else one.
+    position : str, optional
+        ``"stated"`` or ``"free"``; by default stated, and free for a pinhole.
+    radial, sigma, prior, tau, noise, nu, bad_offset, seed, ess
+        As in `compare_families`.
+
+    Returns
+    -------
+    FamilyComparison
+
+    Raises
+    ------
+    InputError
+        As `compare_families`.
+    """
+    from bayescal.family_analysis import compare_joint
+
+    settings = Settings(sigma, prior, tau, seed, ess, False, noise, nu, bad_offset)
+    radial_orders = checked_orders(orders, lowest=0) if family == "pinhole" else (0,)
+    degrees = (1,) if family == "pinhole" else checked_orders(orders)
+    pair = [(orders[0], orders[-1])] if family == "separable" else None
+    where = None if position is None else (position,)
+    return compare_joint(
+        points, (family,), degrees, where, radial, settings, radial_orders, None, pair
+    )
 
 
 def fit(

@@ -102,20 +102,20 @@ class Settings:
         return self.choice.model(data.size / TYPICAL_SIZE if data.axis == "y" else 1.0)
 
 
-def checked_orders(orders: Iterable[int]) -> tuple[int, ...]:
+def checked_orders(orders: Iterable[int], lowest: int = 1) -> tuple[int, ...]:
     """Sort the orders wanted and refuse those out of range.
 
     Raises
     ------
     InputError
-        Where there is none, or one is not from 1 to 20.
+        Where there is none, or one is not from `lowest` to 20.
     """
     wanted = tuple(sorted({int(k) for k in orders}))
     if not wanted:
         raise InputError("no order is given; give at least one, such as 1-5")
-    if wanted[0] < 1 or wanted[-1] > HIGHEST_ORDER:
-        bad = wanted[0] if wanted[0] < 1 else wanted[-1]
-        raise InputError(f"order {bad} is out of range; orders go from 1 to {HIGHEST_ORDER}")
+    if wanted[0] < lowest or wanted[-1] > HIGHEST_ORDER:
+        bad = wanted[0] if wanted[0] < lowest else wanted[-1]
+        raise InputError(f"order {bad} is out of range; orders go from {lowest} to {HIGHEST_ORDER}")
     return wanted
 
 

@@ -16,6 +16,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("--order-r", type=int, metavar="K", help="order of r(x/z)")
     parser.add_argument("--order-c", type=int, metavar="K", help="order of c(y/z)")
+    shared.add_families(parser, several=False)
+    parser.add_argument(
+        "--order", type=int, metavar="K", help="of bivariate or pinhole: degree or coefficients"
+    )
     shared.add_points(parser)
     shared.add_model(parser)
     add_output(parser)
@@ -23,6 +27,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Fit, print and write; return the exit code."""
+    if options.family is not None or options.position is not None:
+        return _joint(options)
     if options.order_r is None and options.order_c is None:
         raise InputError("fit: give --order-r, --order-c or both")
     from bayescal.api import fit
@@ -39,3 +45,32 @@ def run(options: argparse.Namespace) -> int:
             **shared.settings(options),
         )
     return deliver(options, result, fit_view)
+
+
+def _joint(options: argparse.Namespace) -> int:
+    """Fit one model of r and c together."""
+    from bayescal.api import fit_family
+    from bayescal.commands.families import check_families, deliver_families
+    from bayescal.report.families import joint_fit_view
+
+    family = options.family or "separable"
+    if family == "separable":
+        wanted = (options.order_r, options.order_c)
+        if None in wanted or options.order is not None:
+            raise InputError("fit: give --order-r and --order-c of the separable family")
+    else:
+        wanted = (options.order,)
+        if options.order is None:
+            raise InputError(f"fit: give --order of the {family} family")
+    if options.position is not None and len(options.position) != 1:
+        raise InputError("fit: give one --position, stated or free")
+    check_families(options)
+    result = fit_family(
+        shared.points(options),
+        family,
+        wanted,
+        position=None if options.position is None else options.position[0],
+        radial=options.radial,
+        **shared.settings(options),
+    )
+    return deliver_families(options, result, joint_fit_view)

@@ -53,16 +53,21 @@ def check_json(options: argparse.Namespace) -> None:
 def check_output(options: argparse.Namespace) -> None:
     """Refuse output that can't be written before anything is computed."""
     check_json(options)
+    check_nested(options)
+    if options.out is not None:
+        from bayescal.report.run import check_run
+
+        check_run(Path(options.out), force=options.force)
+
+
+def check_nested(options: argparse.Namespace) -> None:
+    """Refuse a document inside the folder that holds it anyway."""
     if options.out is not None and options.json not in (None, "-"):
         folder, document = Path(options.out).absolute(), Path(options.json).absolute()
         if folder == document or folder in document.parents:
             raise InputError(
                 f"{options.json}: lies in --out, which holds the document anyway; drop --json"
             )
-    if options.out is not None:
-        from bayescal.report.run import check_run
-
-        check_run(Path(options.out), force=options.force)
 
 
 def publish(

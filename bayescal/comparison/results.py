@@ -195,6 +195,8 @@ class Comparison:
     origin : dict or None
         The provenance of the run that holds exactly this comparison, where it was read from
         one; None where it was computed just now.
+    hint : str or None
+        That another family of models or a free camera position is decisively better.
     """
 
     axes: dict[str, AxisComparison]
@@ -203,6 +205,7 @@ class Comparison:
     settings: Settings
     notes: tuple[str, ...]
     origin: dict[str, Any] | None = None
+    hint: str | None = None
 
     @property
     def seed(self) -> int:

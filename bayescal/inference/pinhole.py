@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -11,10 +11,10 @@ from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
 from bayescal.inference.pinhole_laplace import Normal, laplace
 from bayescal.models.camera_prior import PinholePrior
-from bayescal.models.log_uniform import LogUniform
 from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.pinhole import POSE, PinholeGeometry
+from bayescal.models.strength import Strength
 from bayescal.points.setup import AXES
 
 # tau about which the sampled coordinates are whitened where it is inferred.
@@ -48,7 +48,7 @@ class PinholeModel:
     data: JointData
     fit: PinholeFit
     frame: Normal
-    noise: NoiseModel = Gaussian()
+    noise: NoiseModel = field(default_factory=Gaussian)
 
     @classmethod
     def of(
@@ -114,7 +114,7 @@ class PinholeModel:
                     level = self.data.levels[i]
                     total = total + density + self.noise.log_prior(eta) + level.log_prior()
                     possible &= inside
-        return np.where(possible & np.isfinite(total), total, -np.inf)
+        return np.asarray(np.where(possible & np.isfinite(total), total, -np.inf))
 
     def starts(self) -> Array:
         """Where the frame is centred; under other noise with each of its starts."""
@@ -140,11 +140,10 @@ class PinholeModel:
             for i, level in enumerate(self.data.levels):
                 if level.bounds is not None:
                     rss = self._rss(residuals, i)
-                    columns.append(np.log(LogUniform(*level.bounds).draw(rng, rss, self.data.n)))
+                    columns.append(Strength(level.log_bounds, self.data.n).draw(rss, rng))
         if self.infers_tau:
-            q = (full[:, POSE:] ** 2).sum(axis=1)
-            strength = self.prior.strength.draw(rng, q, self.geometry.order)
-            columns.append(np.log(strength / self.prior.width))
+            q = ((full[:, POSE:] / self.prior.width) ** 2).sum(axis=1)
+            columns.append(self.prior.strength(self.geometry.order).draw(q, rng))
         return np.column_stack(columns)
 
     def report(self, full: Array) -> Array:
@@ -197,11 +196,10 @@ class PinholeModel:
     def _log_marginal(self, axis: int, rss: Array) -> Array:
         """Gaussian log likelihood of an axis, sigma integrated out where it is inferred."""
         level, n = self.data.levels[axis], self.data.n
-        constant = -n / 2 * LOG_2PI - self._log_sd[axis]
-        if level.bounds is not None:
-            return constant + LogUniform(*level.bounds).log_integral(rss, n)
-        assert level.value is not None, "a level without bounds is known"
-        return np.asarray(constant - n * np.log(level.value) - rss / level.value**2 / 2)
+        if level.value is None:
+            return Strength(level.log_bounds, n).log_density(rss) - self._log_sd[axis]
+        constant = -n / 2 * LOG_2PI - n * np.log(level.value) - self._log_sd[axis]
+        return np.asarray(constant - rss / level.value**2 / 2)
 
     @cached_property
     def _log_frame(self) -> float:
@@ -213,7 +211,7 @@ class PinholeModel:
         return np.asarray(np.log(self.data.deviations).sum(axis=1))
 
     def _noise(self, columns: Array) -> list[tuple[Array, Array, Array]]:
-        """Ln sigma, eta and whether sigma is within its bounds, of each axis."""
+        """Give ln sigma, eta and whether sigma is within its bounds, of each axis."""
         at, q, out = self.geometry.dimension, self.noise.dimension, []
         for level in self.data.levels:
             inside = np.ones(len(columns), dtype=bool)

@@ -152,7 +152,7 @@ def _check_determined(points: Correspondences, geometry: PinholeGeometry) -> Non
 
 
 def _starts(geometry: PinholeGeometry, prior: PinholePrior, data: JointData) -> list[Array]:
-    """Free coordinates to start from: the linear camera, and the prior's pose with its best optics."""
+    """Start from the linear camera, and from the prior's pose with its best optics."""
     out = []
     camera = direct_linear(geometry.world, data.pixels.T)
     if camera is not None and not camera.mirrored:

@@ -11,12 +11,12 @@ from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.inference.strength import Strength
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.gaussian import LOG_2PI
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import CoefficientPrior
+from bayescal.models.strength import Strength
 
 # Steps of the robust fit that starts are taken from, and the Cauchy weight's tuning
 # constant (95 % efficient under Gaussian noise; Holland & Welsch 1977).

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from scipy.special import softmax
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.inference.adaptation import Adapted, adapt, refine
+from bayescal.inference.adaptation import adapt, refine
 from bayescal.inference.coordinates import Whitening
 from bayescal.inference.ensembles import sample_ensembles
 from bayescal.inference.estimate import EvidenceEstimate, estimate_evidence
@@ -17,12 +18,13 @@ from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.posterior import ParameterSummary, summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampling import Chain
-from bayescal.inference.t_mixture import cholesky
+from bayescal.inference.t_mixture import TMixture
 
 EVIDENCE_DRAWS = 20_000
 # Where a chain does not converge or its evidence can't be trusted, the proposal is fitted to
 # that chain's draws, and all is done anew.
 ATTEMPTS = 2
+Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +81,13 @@ class SampledPosterior:
         return "\n".join(lines) + ">"
 
 
-def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> SampledPosterior:
+def sample_model(
+    model: SampledModel,
+    rng: np.random.Generator,
+    ess: int,
+    guess: Guess | None = None,
+    evidence_draws: int = EVIDENCE_DRAWS,
+) -> SampledPosterior:
     """Sample a model's posterior with emcee and estimate its evidence.
 
     Parameters
@@ -88,6 +96,11 @@ def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> Sam
     rng : numpy.random.Generator
     ess : int
         Effective samples wanted of every parameter.
+    guess : tuple of TMixture and modes, optional
+        A proposal that knows the model's shape, with the modes it comes from; by default
+        one is adapted to the density.
+    evidence_draws : int, optional
+        Draws of the proposal that the evidence is taken from.
 
     Returns
     -------
@@ -99,29 +112,34 @@ def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> Sam
         Where the density is zero at every start of the model.
     """
     for_proposal, *children = rng.spawn(1 + ATTEMPTS)
-    modes = find_modes(model.log_prob, model.starts())
-    if not modes:
-        raise InputError("the likelihood is zero wherever the model could start; check the units")
-    adapted = adapt(model.log_prob, modes, for_proposal)
+    if guess is None:
+        modes = find_modes(model.log_prob, model.starts())
+        if not modes:
+            raise InputError(
+                "the likelihood is zero wherever the model could start; check the units"
+            )
+        proposal = adapt(model.log_prob, modes, for_proposal).proposal
+    else:
+        proposal, modes = guess
     for child in children:
-        found = _attempt(model, modes, adapted, child, ess)
+        found = _attempt(model, modes, proposal, child, ess, evidence_draws)
         if found.converged and found.estimate.certain:
             break
         theta = found.chain.theta.reshape(-1, model.dimension)
-        adapted = refine(adapted, theta, found.chain.log_prob.ravel())
+        proposal = refine(proposal, theta, found.chain.log_prob.ravel())
     return found
 
 
 def _attempt(
     model: SampledModel,
     modes: tuple[Mode, ...],
-    adapted: Adapted,
+    proposal: TMixture,
     rng: np.random.Generator,
     ess: int,
+    evidence_draws: int,
 ) -> SampledPosterior:
     """Sample with one proposal, and estimate the evidence with it."""
     for_evidence, for_chains = rng.spawn(2)
-    proposal = adapted.proposal
 
     def finish(theta: Array, child: np.random.Generator) -> tuple[Array, Array]:
         full = model.complete(theta, child)
@@ -130,12 +148,13 @@ def _attempt(
     chain, full = sample_ensembles(
         model.log_prob,
         proposal,
-        Whitening(adapted.mean, cholesky(adapted.covariance)),
+        # The last component spans the whole posterior.
+        Whitening(proposal.means[-1], proposal.roots[-1]),
         finish,
         for_chains,
         ess,
     )
-    fresh = proposal.draw(for_evidence, EVIDENCE_DRAWS)
+    fresh = proposal.draw(for_evidence, evidence_draws)
     log_weights = model.log_prob(fresh) - proposal.log_density(fresh)
     theta = chain.theta.reshape(-1, model.dimension)
     effective = min(min(d.ess_bulk, d.ess_tail) for d in chain.diagnostics)

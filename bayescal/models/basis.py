@@ -63,11 +63,11 @@ def legendre_design(s: Array, order: int) -> Array:
     Parameters
     ----------
     s : Array
-        Scaled regressor, ``(n_points,)``.
+        Scaled regressor, ``(n_points,)``; complex numbers pass, for complex steps.
     order : int
         Highest polynomial degree.
     """
-    return np.asarray(np.polynomial.legendre.legvander(s, order), dtype=np.float64)
+    return np.asarray(np.polynomial.legendre.legvander(s, order))
 
 
 class PolynomialMap(Protocol):

@@ -19,9 +19,9 @@ import numpy as np
 
 from bayescal.arrays import Array, frozen
 from bayescal.models.linear import pixel_span
-from bayescal.models.log_uniform import LogUniform
 from bayescal.models.pinhole import POSE, PinholeGeometry, rotations
 from bayescal.models.priors import TAU_BOUNDS
+from bayescal.models.strength import Strength
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 
@@ -108,10 +108,10 @@ class PinholePrior:
         """Half the image's diagonal, px: where displacements are told."""
         return math.hypot(self.width, self.height) / 2
 
-    @property
-    def strength(self) -> LogUniform:
-        """Of the displacements in px, tau times the image's width, where tau is inferred."""
-        return LogUniform(*(bound * self.width for bound in TAU_BOUNDS))
+    def strength(self, order: int) -> Strength:
+        """Make tau's integral over `order` displacements in units of the image's width."""
+        low, high = (math.log(bound) for bound in TAU_BOUNDS)
+        return Strength((low, high), order)
 
     def log_density(self, geometry: PinholeGeometry, theta: Array) -> Array:
         """Log prior density per unit of the pinhole's coordinates, ``(n_draws,)``.
@@ -143,8 +143,8 @@ class PinholePrior:
         if self.tau is not None:
             sd = np.full(order, self.tau * self.width)
             return log_normal(displacement, np.zeros(order), sd)
-        q = (displacement**2).sum(axis=1)
-        return self.strength.log_integral(q, order) - order * LOG_2PI / 2
+        q = ((displacement / self.width) ** 2).sum(axis=1)
+        return self.strength(order).log_density(q) - order * math.log(self.width)
 
     def draw(self, rng: np.random.Generator, geometry: PinholeGeometry, size: int) -> Array:
         """Draw all coordinates; nan where the points' centroid is behind the camera.
@@ -178,8 +178,8 @@ class PinholePrior:
         )
         return "\n".join(
             (
-                f"ln focal_r ~ N(ln {self.focal:g}, {self.focal_log_sd:g}): 95% from {lower:.0f} to "
-                f"{upper:.0f} px; ln focal_c/focal_r ~ N(0, {self.ratio_log_sd:g})",
+                f"ln focal_r ~ N(ln {self.focal:g}, {self.focal_log_sd:g}): 95% from "
+                f"{lower:.0f} to {upper:.0f} px; ln focal_c/focal_r ~ N(0, {self.ratio_log_sd:g})",
                 f"centre_r ~ {u}, centre_c ~ {v} px",
                 f"rotation about the stated orientation ~ N(0, ({degrees})) degrees",
                 str(self.position),
@@ -214,9 +214,7 @@ def pinhole_prior(points: Correspondences, tau: float | None = None) -> PinholeP
         camera.focal_log_sd if camera.focal_log_sd is not None else FOCAL_LOG_SD,
         camera.ratio_log_sd if camera.ratio_log_sd is not None else RATIO_LOG_SD,
         frozen(camera.centre if camera.centre is not None else middles),
-        frozen(
-            camera.centre_sd if camera.centre_sd is not None else CENTRE_SHARE * np.array(sizes)
-        ),
+        frozen(camera.centre_sd or CENTRE_SHARE * np.array(sizes)),
         sizes[0],
         sizes[1],
         tau,

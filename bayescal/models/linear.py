@@ -81,7 +81,7 @@ class AxisData:
         return Domain.of(self.x) if self.frame is None else self.frame[0]
 
     @property
-    def _across(self) -> Domain:
+    def across(self) -> Domain:
         """The same of the other regressor."""
         assert self.other is not None, "the polynomial is one of a single regressor"
         return Domain.of(self.other) if self.frame is None else self.frame[1]
@@ -101,13 +101,13 @@ class AxisData:
         s = self.domain.scale(self.x)
         if self.other is None:
             return legendre_design(s, order)
-        return plane_design(s, self._across.scale(self.other), order)
+        return plane_design(s, self.across.scale(self.other), order)
 
     def monomials(self, order: int) -> PolynomialMap:
         """From the basis's amplitudes to the coefficients that are reported."""
         if self.other is None:
             return MonomialMap(self.domain, order)
-        return PlaneMap(self.domain, self._across, order)
+        return PlaneMap(self.domain, self.across, order)
 
     def check(self, order: int) -> None:
         """Refuse an order that these points can't determine.

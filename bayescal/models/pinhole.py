@@ -107,7 +107,7 @@ class PinholeGeometry:
         return self.centroid - turned
 
     def log_volume(self, theta: Array) -> Array:
-        """Ln |d C / d anchor|, ``(n_draws,)``: depth^3 / (f_r f_c)."""
+        """Log of |d C / d anchor|, ``(n_draws,)``: depth^3 / (f_r f_c)."""
         log_depth = theta[:, 0] - theta[:, 9]
         return np.asarray(3 * log_depth - theta[:, 0] - theta[:, 1])
 
@@ -154,7 +154,7 @@ class PinholeGeometry:
             return theta[:, 2:4, None] + offset, depth
 
     def _gain(self, theta: Array, image: Array) -> Array:
-        """G at each point, ``(n_draws, n_points)``."""
+        """Gain g at each point, ``(n_draws, n_points)``."""
         gain = np.ones(image[:, 0].shape, dtype=image.dtype)
         if not self.order:
             return gain
@@ -173,7 +173,7 @@ class PinholeGeometry:
         return np.asarray(theta[:, POSE:] / self.half_diagonal * ratio**self.powers)
 
     def jacobian(self, free: Array) -> Array:
-        """D pixels / d free at one draw ``(dimension,)``, ``(2, n_points, dimension)``.
+        """Slopes d pixels / d free at one draw ``(dimension,)``, ``(2, n_points, dimension)``.
 
         By complex step, exact to rounding: the imaginary part of f(x + ih) is h f'(x)
         (Squire & Trapp 1998, SIAM Rev. 40, 110).

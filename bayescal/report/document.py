@@ -70,6 +70,7 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
             "joint": _joint(comparison),
         },
         "notes": list(comparison.notes),
+        **({} if comparison.hint is None else {"families": {"hint": comparison.hint}}),
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import integrate, stats
 
-from bayescal.inference.strength import Strength
+from bayescal.models.strength import Strength
 
 BOUNDS = (math.log(0.001), math.log(0.5))
 

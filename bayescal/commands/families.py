@@ -1,0 +1,45 @@
+"""Output of the commands that work on joint models."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bayescal.commands.output import check_json, check_nested, code_of, publish
+
+if TYPE_CHECKING:
+    from bayescal.comparison.families import FamilyComparison
+
+
+def check_families(options: argparse.Namespace) -> None:
+    """Refuse output that can't be written before anything is computed."""
+    check_json(options)
+    check_nested(options)
+    if options.out is not None:
+        from bayescal.report.families_document import check_families_folder
+
+        check_families_folder(Path(options.out), force=options.force)
+
+
+def deliver_families(
+    options: argparse.Namespace,
+    result: FamilyComparison,
+    view: Callable[[FamilyComparison], Any],
+) -> int:
+    """Write and print a comparison of joint models; return the exit code."""
+
+    def text() -> str:
+        from bayescal.report.facts import dumps
+        from bayescal.report.families_document import families_document
+
+        return dumps(families_document(result, options.command_line))
+
+    def write(folder: Path, text: str) -> None:
+        from bayescal.report.families_document import write_families
+
+        write_families(folder, result, text, force=options.force)
+
+    publish(options, text, write, lambda: view(result))
+    return code_of(sound=result.sound)

@@ -1,0 +1,266 @@
+"""Models of the joint data, whatever their family, on one scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bayescal.arrays import Array
+from bayescal.comparison.evidence import PLAUSIBLE, strength
+from bayescal.comparison.verdict import percent
+from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.points.correspondences import Correspondences
+
+STATED, FREE = "stated", "free"
+
+
+@dataclass(frozen=True)
+class ModelName:
+    """Which model of r and c: its family, orders and what is known of the position.
+
+    Attributes
+    ----------
+    family : str
+    orders : tuple of int
+        Of r and c in the separable family, else one.
+    position : str
+        ``"stated"`` or ``"free"``.
+    """
+
+    family: str
+    orders: tuple[int, ...]
+    position: str
+
+    @property
+    def order(self) -> str:
+        """The order in words: ``"4, 1"`` or ``"2"``."""
+        return ", ".join(str(k) for k in self.orders)
+
+    def __str__(self) -> str:
+        order = f"({self.order})" if len(self.orders) > 1 else self.order
+        return f"{self.family} {order}, position {self.position}"
+
+
+@dataclass(frozen=True, eq=False)
+class JointModel:
+    """One model of the joint data, judged.
+
+    Attributes
+    ----------
+    name : ModelName
+    n_parameters : int
+        K: coefficients, inferred sigmas and the position where it is free.
+    log_likelihood : float
+        Maximised, with every constant.
+    aic, bic : float
+        n counts points.
+    log_evidence : float
+        Natural log.
+    log_evidence_error : float
+        Monte Carlo error, or the quadrature's, nat.
+    elpd, elpd_se : float or None
+        Leave-one-out, r and c of a point together; None where it can't be had.
+    elpd_pointwise : Array or None
+        ``(n_points,)``.
+    pareto_k : float or None
+        Largest, where leave-one-out comes from draws.
+    position : Array
+        Camera position of highest likelihood, ``(3,)``, world units.
+    posterior : SampledPosterior or None
+        Of a model that was sampled: pinholes, and a family's best at a free position.
+    """
+
+    name: ModelName
+    n_parameters: int
+    log_likelihood: float
+    aic: float
+    bic: float
+    log_evidence: float
+    log_evidence_error: float
+    elpd: float | None
+    elpd_se: float | None
+    elpd_pointwise: Array | None
+    pareto_k: float | None
+    position: Array
+    posterior: SampledPosterior | None = None
+
+    @property
+    def sound(self) -> bool:
+        """Whether its draws, if any, met the stopping rule and its evidence can be trusted."""
+        return self.posterior is None or (self.posterior.converged and not self.warnings)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why its evidence should not be trusted."""
+        return () if self.posterior is None else self.posterior.estimate.warnings
+
+
+@dataclass(frozen=True, eq=False)
+class FamilyVerdict:
+    """What to conclude of family, order and position together.
+
+    Attributes
+    ----------
+    best : ModelName
+    plausible : tuple of ModelName
+        Smallest set, by falling probability, that reaches 0.95.
+    decided : bool
+    families, positions : dict of str to float
+        Probability of each family and of each treatment of the position.
+    log_bayes_factor : float or None
+        ln B of the best model against the best of any other family.
+    caveats : tuple of str
+    text : str
+    """
+
+    best: ModelName
+    plausible: tuple[ModelName, ...]
+    decided: bool
+    families: dict[str, float]
+    positions: dict[str, float]
+    log_bayes_factor: float | None
+    caveats: tuple[str, ...]
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class FamilyComparison:
+    """Families, orders and treatments of the position, compared on the joint data.
+
+    Attributes
+    ----------
+    points : Correspondences
+    models : tuple of JointModel
+        The most probable first.
+    probabilities : tuple of float
+        Of each, in the same order.
+    radial : str
+        Powers of the radius in the pinhole's distortion.
+    priors : tuple of str
+        One line for each.
+    noise : tuple of str
+        How the noise level of r and of c was chosen.
+    verdict : FamilyVerdict
+    notes : tuple of str
+    seed, ess : int
+    """
+
+    points: Correspondences
+    models: tuple[JointModel, ...]
+    probabilities: tuple[float, ...]
+    radial: str
+    priors: tuple[str, ...]
+    noise: tuple[str, ...]
+    verdict: FamilyVerdict
+    notes: tuple[str, ...]
+    seed: int
+    ess: int
+
+    @property
+    def best(self) -> JointModel:
+        """The most probable model."""
+        return self.models[0]
+
+    @property
+    def sound(self) -> bool:
+        """Whether all draws met the stopping rule."""
+        return all(m.sound for m in self.models)
+
+    def __getitem__(self, name: str) -> JointModel:
+        for model in self.models:
+            if str(model.name) == name:
+                return model
+        raise KeyError(f"{name!r} was not compared; compared: {[str(m.name) for m in self.models]}")
+
+    def __repr__(self) -> str:
+        return f"<FamilyComparison: {self.verdict.text}>"
+
+
+def model_probabilities(models: Sequence[JointModel]) -> list[float]:
+    """Posterior probabilities: families equal, within one its positions, within these orders.
+
+    A family does not become more probable by offering more orders.
+    """
+    logs = []
+    for model in models:
+        name = model.name
+        same = [m.name for m in models if m.name.family == name.family]
+        positions = len({n.position for n in same})
+        orders = sum(n.position == name.position for n in same)
+        logs.append(model.log_evidence - math.log(positions * orders))
+    top = max(logs)
+    odds = [math.exp(value - top) for value in logs]
+    total = math.fsum(odds)
+    return [o / total for o in odds]
+
+
+def judge_families(
+    models: Sequence[JointModel], chances: Sequence[float], caveats: Sequence[str]
+) -> FamilyVerdict:
+    """Form the verdict across families.
+
+    Parameters
+    ----------
+    models : sequence of JointModel
+        The most probable first.
+    chances : sequence of float
+    caveats : sequence of str
+    """
+    best = models[0]
+    plausible: list[ModelName] = []
+    total = 0.0
+    for model, chance in zip(models, chances, strict=True):
+        plausible.append(model.name)
+        total += chance
+        if total >= PLAUSIBLE:
+            break
+    families, positions = (_shares(models, chances, key) for key in ("family", "position"))
+    others = [m for m in models if m.name.family != best.name.family]
+    factor = None
+    if others:
+        rival = max(others, key=lambda m: m.log_evidence)
+        factor = best.log_evidence - rival.log_evidence
+    text = f"{_sentence(best.name)} is the most probable model, {percent(chances[0])}; "
+    if len(plausible) == 1:
+        text += "decided at 95%."
+    else:
+        rest = "; ".join(f"{n} ({percent(chances[i])})" for i, n in enumerate(plausible[:5]) if i)
+        more = f" and {len(plausible) - 5} more" if len(plausible) > 5 else ""
+        text += f"not decided: {rest}{more} can't be excluded at 95%."
+    if factor is not None and factor > 0:
+        text += (
+            f" Against the best of another family, {rival.name}: 2 ln B = {2 * factor:.1f}, "
+            f"{strength(factor)} (Kass & Raftery)."
+        )
+    elif factor is not None:
+        text += f" By evidence alone {rival.name} is ahead by {-factor:.1f} nat."
+    if len(positions) > 1:
+        free = positions.get(FREE, 0.0)
+        text += (
+            f" Summed over families and orders, a free camera position has {percent(free)}, the "
+            f"stated one {percent(1 - free)}."
+        )
+    return FamilyVerdict(
+        best.name,
+        tuple(plausible),
+        len(plausible) == 1,
+        families,
+        positions,
+        factor,
+        tuple(caveats),
+        text,
+    )
+
+
+def _sentence(name: ModelName) -> str:
+    words = str(name)
+    return words[0].upper() + words[1:]
+
+
+def _shares(models: Sequence[JointModel], chances: Sequence[float], key: str) -> dict[str, float]:
+    out: dict[str, float] = {}
+    for model, chance in zip(models, chances, strict=True):
+        value = getattr(model.name, key)
+        out[value] = out.get(value, 0.0) + chance
+    return out
