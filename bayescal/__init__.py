@@ -40,6 +40,7 @@ _EXPORTS = {
     "save_report": "bayescal.report.page.page",
     "save_run": "bayescal.report.run",
     "plot": "bayescal.report.figures.registry",
+    "outliers": "bayescal.outlier_analysis",
     "reproduce": "bayescal.reproduction",
 }
 
@@ -59,6 +60,7 @@ __all__ = [
     "load",
     "load_setup",
     "open_run",
+    "outliers",
     "plot",
     "reproduce",
     "save",
@@ -78,6 +80,7 @@ if TYPE_CHECKING:
         least_squares,
     )
     from bayescal.errors import BayescalError, InputError
+    from bayescal.outlier_analysis import outliers
     from bayescal.points.bundled import thesis
     from bayescal.points.correspondences import Correspondences
     from bayescal.points.reader import load

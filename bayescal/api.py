@@ -251,6 +251,9 @@ def compare_polynomials(
     sigma: float | ArrayLike | None = None,
     prior: str = "field",
     tau: float | None = None,
+    noise: str = "gaussian",
+    nu: float | None = None,
+    bad_offset: bool = False,
     seed: int = 0,
     ess: int = DEFAULT_ESS,
 ) -> Comparison:
@@ -269,8 +272,8 @@ def compare_polynomials(
         Known standard deviation of y, one or ``(n_points,)``; inferred by default.
     prior : str, optional
         ``"field"`` or ``"flat"``.
-    tau, seed, ess
-        As in `compare`.
+    tau, noise, nu, bad_offset, seed, ess
+        As in `compare`; the widths that bad points may have scale with the span of y.
 
     Returns
     -------
@@ -284,7 +287,7 @@ def compare_polynomials(
     """
     values, known = _per_point_or_known(sigma)
     data = generic_axis(np.asarray(x), np.asarray(y), values)
-    settings = Settings(known, prior, tau, seed, ess)
+    settings = Settings(known, prior, tau, seed, ess, False, noise, nu, bad_offset)
     return analyse_arrays(data, checked_orders(orders), settings)
 
 
@@ -296,6 +299,9 @@ def fit_polynomial(
     sigma: float | ArrayLike | None = None,
     prior: str = "field",
     tau: float | None = None,
+    noise: str = "gaussian",
+    nu: float | None = None,
+    bad_offset: bool = False,
     seed: int = 0,
     ess: int = DEFAULT_ESS,
 ) -> OrderResult:
@@ -307,7 +313,7 @@ def fit_polynomial(
         ``(n_points,)``.
     order : int
         Polynomial degree.
-    sigma, prior, tau, seed, ess
+    sigma, prior, tau, noise, nu, bad_offset, seed, ess
         As in `compare_polynomials`.
 
     Returns
@@ -322,7 +328,17 @@ def fit_polynomial(
         As `compare`.
     """
     result = compare_polynomials(
-        x, y, [order], sigma=sigma, prior=prior, tau=tau, seed=seed, ess=ess
+        x,
+        y,
+        [order],
+        sigma=sigma,
+        prior=prior,
+        tau=tau,
+        noise=noise,
+        nu=nu,
+        bad_offset=bad_offset,
+        seed=seed,
+        ess=ess,
     )
     return result.axes["y"].orders[0]
 

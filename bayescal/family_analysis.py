@@ -58,8 +58,8 @@ PINHOLE_ORDERS = (0, 1, 2, 3)
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
 POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
-# ln B that is worth a line in a comparison of orders: very strong (Kass & Raftery 1995).
-DECISIVE = 5.0
+# 2 ln B, or BIC, that is worth a line in a comparison of orders: very strong (Kass & Raftery).
+DECISIVE = 10.0
 EQUAL = ("families are equally probable beforehand; within one its positions, then its orders",)
 Progress = Callable[[str, int], None]
 Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
@@ -173,40 +173,72 @@ def compare_joint(
 def family_hint(points: Correspondences, result: Comparison, settings: Settings) -> str | None:
     """Say in one line whether another family, or a free position, is decisively better.
 
-    From Laplace approximations of the pinhole of orders 0 and 1 and of the recommended
-    pair of orders at a free position, against the pair's exact evidence. None where none
-    leads by 5 nat, where there is no evidence, or where such a model can't be had.
+    The pinhole of orders 0 and 1 and the recommended pair of orders at a free position, by
+    BIC and by Laplace approximations of the evidence, against the pair at the stated position.
+    None where neither leads by 10, where there is no evidence, or where no such model can
+    be had.
     """
     axes = result.axes
-    orders = [a.verdict.order for a in axes.values()]
-    if set(axes) != set(AXES) or None in orders or settings.noise != "gaussian":
+    if set(axes) != set(AXES) or settings.noise != "gaussian":
         return None
-    stated = sum(a.chosen.log_evidence or 0.0 for a in axes.values())
-    k, m = (int(order or 0) for order in orders)
-    found: list[tuple[float, str, Array]] = []
-    with threadpool_limits(1), contextlib.suppress(InputError):
-        pair = tuple(Axis(a.data, a.noise, a.prior, a.noise_source) for a in axes.values())
-        joint = pair[0], pair[1]
-        model, _ = free_model(points, joint, (k, m))
-        found.append((position_mode(model).log_mass, f"separable ({k}, {m})", model.start))
-        data = _joint_data(joint)
+    chosen = [axes[name].chosen for name in AXES]
+    if any(c.log_evidence is None or c.criteria.bic is None for c in chosen):
+        return None
+    bic = sum(c.criteria.bic or 0.0 for c in chosen)
+    stated = sum(c.log_evidence or 0.0 for c in chosen)
+    with threadpool_limits(1):
+        found = _rivals(points, result, settings)
+    if not found:
+        return None
+    gain, lower, name, position = max(
+        (2 * (r.log_evidence - stated), bic - r.bic, r.name, r.position) for r in found
+    )
+    by_bic = max(found, key=lambda r: -r.bic)
+    if gain < DECISIVE:
+        gain, lower = 2 * (by_bic.log_evidence - stated), bic - by_bic.bic
+        name, position = by_bic.name, by_bic.position
+    if max(gain, lower) < DECISIVE:
+        return None
+    x, y, z = position
+    return (
+        f"{name} with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g}) describes these "
+        f"points decisively better by {'evidence' if gain >= DECISIVE else 'BIC'}: BIC lower by "
+        f"{lower:.0f}, 2 ln B about {gain:.0f} (Laplace); see compare --family separable,pinhole "
+        "--position stated,free"
+    )
+
+
+@dataclass(frozen=True)
+class _Rival:
+    """A model that might beat the recommended orders at the stated position."""
+
+    log_evidence: float
+    bic: float
+    name: str
+    position: tuple[float, ...]
+
+
+def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> list[_Rival]:
+    """Fit the models of the hint, as far as the points allow."""
+    r, c = (Axis(a.data, a.noise, a.prior, a.noise_source) for a in (result.axes[n] for n in AXES))
+    k, m = (result.axes[name].chosen.order for name in AXES)
+    data, n, out = _joint_data((r, c)), len(points), []
+    with contextlib.suppress(InputError):
+        model, likelihood = free_model(points, (r, c), (k, m))
+        count = k + m + 5 + sum(data.inferred)
+        bic = _criteria(likelihood, count, n)[1]
+        mass = position_mode(model).log_mass
+        out.append(_Rival(mass, bic, f"separable ({k}, {m})", tuple(model.start.tolist())))
+    with contextlib.suppress(InputError):
         for order in (0, 1):
             pinhole = pinhole_model(points, order, FREE, "even", data, settings)
             _, log_mass = ladder(pinhole)
-            theta = pinhole.geometry.full(pinhole.fit.free[None])
-            position = pinhole.geometry.position(theta)[0]
-            found.append((float(logsumexp(log_mass)), f"pinhole of order {order}", position))
-    if not found:
-        return None
-    value, name, position = max(found, key=lambda f: f[0])
-    if value - stated < DECISIVE:
-        return None
-    x, y, z = position.tolist()
-    return (
-        f"{name} with a free camera position is decisively better (2 ln B about "
-        f"{2 * (value - stated):.0f}, Laplace; position near {x:.4g}, {y:.4g}, {z:.4g}): see "
-        "compare --family separable,pinhole --position stated,free"
-    )
+            position = pinhole.geometry.position(pinhole.geometry.full(pinhole.fit.free[None]))[0]
+            count = pinhole.geometry.dimension + sum(data.inferred)
+            bic = _criteria(pinhole.fit.log_likelihood, count, n)[1]
+            mass = float(logsumexp(log_mass))
+            out.append(_Rival(mass, bic, f"pinhole of order {order}", tuple(position.tolist())))
+    return out
 
 
 def check_request(
@@ -310,7 +342,7 @@ def _stated(
     exact: list[dict[int, tuple[LinearModel, float, float, LeaveOneOut | None]]] = []
     for i, axis in enumerate(axes):
         by_order = {}
-        for k in sorted({wanted[1 + i] for wanted in orders}):
+        for k in sorted({w[1] if i == 0 else w[2] for w in orders}):
             model = axis.model(k)
             posterior = exact_posterior(model)
             value, error = posterior.log_evidence, posterior.log_evidence_error
@@ -372,7 +404,7 @@ def _free(
 ) -> list[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
     for i, axis in enumerate(axes):
-        axis.data.check(max(wanted[1 + i] for wanted in orders))
+        axis.data.check(max(w[1] if i == 0 else w[2] for w in orders))
         if axis.data.x_sd is not None and axis.data.x_sd.any():
             raise InputError(
                 f"{points.source}: errors of the world coordinates with a free camera position "

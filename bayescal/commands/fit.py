@@ -55,7 +55,7 @@ def _joint(options: argparse.Namespace) -> int:
 
     family = options.family or "separable"
     if family == "separable":
-        wanted = (options.order_r, options.order_c)
+        wanted: tuple[int, ...] = (options.order_r, options.order_c)
         if None in wanted or options.order is not None:
             raise InputError("fit: give --order-r and --order-c of the separable family")
     else:

@@ -89,7 +89,7 @@ def adapt(log_density: LogDensity, modes: tuple[Mode, ...], rng: np.random.Gener
     return Adapted(_best_tails(mixture, everything, weights, log_w + log_q), mean, covariance)
 
 
-def refine(old: TMixture, theta: Array, log_density: Array) -> TMixture:
+def refine(adapted: Adapted, theta: Array, log_density: Array) -> Adapted:
     """Fit the proposal once more, to draws of the posterior itself.
 
     Draws of a chain go where the proposal was too thin; new components start there. Bridge
@@ -97,13 +97,13 @@ def refine(old: TMixture, theta: Array, log_density: Array) -> TMixture:
 
     Parameters
     ----------
-    old : TMixture
-        Its last component is the broad one.
+    adapted : Adapted
     theta : Array
         Draws of the posterior, ``(n, dimension)``.
     log_density : Array
         The density there, ``(n,)``.
     """
+    old = adapted.proposal
     weights = np.full(len(theta), 1 / len(theta))
     mean, covariance = _moments(theta, weights)
     root = cholesky(covariance)
@@ -118,7 +118,7 @@ def refine(old: TMixture, theta: Array, log_density: Array) -> TMixture:
         np.full(len(shares), DOF),
     ).refitted(theta, weights, 3 * STEPS, FLOOR)
     mixture = _with_broad(narrow, mean, BROAD * root)
-    return _best_tails(mixture, theta, weights, log_density)
+    return Adapted(_best_tails(mixture, theta, weights, log_density), mean, covariance)
 
 
 def _best_tails(mixture: TMixture, theta: Array, weights: Array, log_density: Array) -> TMixture:

@@ -36,7 +36,7 @@ CHUNK = 4_000_000  # numbers held at once
 GIBBS = 2  # sweeps that make the quadrature's discrete sigma and tau continuous
 NEWTON = 3
 # A few thousandths of a nat, tens of thousands of times.
-QUICK = Accuracy(resolve=16.0, drop=10.0, panel_nodes=9, tau_nodes=17, panels=10)
+QUICK = Accuracy(resolve=8.0, drop=11.0, panel_nodes=9, tau_nodes=17, panels=10)
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,7 +232,7 @@ class FreePositionModel:
 
     def log_likelihood(self, full: Array) -> Array:
         """Log density of each point, r and c together, ``(n_draws, n_points)``."""
-        position, total = self.position(full), 0.0
+        position, total = self.position(full), np.zeros(1)
         for axis, (amplitudes, log_sigma, _) in zip(self.axes, self._parts(full), strict=True):
             total = total + axis.log_likelihood(position, amplitudes, log_sigma)
         return np.asarray(total)

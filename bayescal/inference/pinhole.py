@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
@@ -113,7 +114,7 @@ class PinholeModel:
                     density = self.noise.log_density(residual, log_sigma, eta, sd).sum(axis=1)
                     level = self.data.levels[i]
                     total = total + density + self.noise.log_prior(eta) + level.log_prior()
-                    possible &= inside
+                    possible = possible & inside
         return np.asarray(np.where(possible & np.isfinite(total), total, -np.inf))
 
     def starts(self) -> Array:
@@ -183,11 +184,12 @@ class PinholeModel:
             out.append(found.mean(axis=0))
         return np.stack(out)
 
-    def _residuals(self, full: Array) -> tuple[Array, Array]:
+    def _residuals(self, full: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Measured less predicted, ``(n_draws, 2, n_points)``, and which draws see all points."""
         pixels, depth = self.geometry.project(full)
         residuals = self.data.pixels - pixels
-        possible = (depth > 0).all(axis=1) & np.isfinite(residuals).all(axis=(1, 2))
+        seen = (depth > 0).all(axis=1) & np.isfinite(residuals).all(axis=(1, 2))
+        possible: NDArray[np.bool_] = np.asarray(seen)
         return np.where(possible[:, None, None], residuals, 0.0), possible
 
     def _rss(self, residuals: Array, axis: int) -> Array:
@@ -197,7 +199,8 @@ class PinholeModel:
         """Gaussian log likelihood of an axis, sigma integrated out where it is inferred."""
         level, n = self.data.levels[axis], self.data.n
         if level.value is None:
-            return Strength(level.log_bounds, n).log_density(rss) - self._log_sd[axis]
+            averaged = Strength(level.log_bounds, n).log_density(rss)
+            return np.asarray(averaged - self._log_sd[axis])
         constant = -n / 2 * LOG_2PI - n * np.log(level.value) - self._log_sd[axis]
         return np.asarray(constant - rss / level.value**2 / 2)
 
@@ -210,7 +213,7 @@ class PinholeModel:
     def _log_sd(self) -> Array:
         return np.asarray(np.log(self.data.deviations).sum(axis=1))
 
-    def _noise(self, columns: Array) -> list[tuple[Array, Array, Array]]:
+    def _noise(self, columns: Array) -> list[tuple[Array, Array, NDArray[np.bool_]]]:
         """Give ln sigma, eta and whether sigma is within its bounds, of each axis."""
         at, q, out = self.geometry.dimension, self.noise.dimension, []
         for level in self.data.levels:

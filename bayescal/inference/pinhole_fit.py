@@ -50,7 +50,7 @@ class JointData:
     @property
     def n(self) -> int:
         """Number of points."""
-        return self.pixels.shape[1]
+        return len(self.pixels[0])
 
     @property
     def deviations(self) -> Array:

@@ -10,7 +10,7 @@ from scipy.special import softmax
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.inference.adaptation import adapt, refine
+from bayescal.inference.adaptation import Adapted, adapt, refine
 from bayescal.inference.coordinates import Whitening
 from bayescal.inference.ensembles import sample_ensembles
 from bayescal.inference.estimate import EvidenceEstimate, estimate_evidence
@@ -18,13 +18,13 @@ from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.posterior import ParameterSummary, summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampling import Chain
-from bayescal.inference.t_mixture import TMixture
+from bayescal.inference.t_mixture import TMixture, cholesky
 
 EVIDENCE_DRAWS = 20_000
+Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 # Where a chain does not converge or its evidence can't be trusted, the proposal is fitted to
 # that chain's draws, and all is done anew.
 ATTEMPTS = 2
-Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,28 +118,32 @@ def sample_model(
             raise InputError(
                 "the likelihood is zero wherever the model could start; check the units"
             )
-        proposal = adapt(model.log_prob, modes, for_proposal).proposal
+        adapted = adapt(model.log_prob, modes, for_proposal)
     else:
         proposal, modes = guess
+        # The last component spans the whole posterior.
+        root = proposal.roots[-1]
+        adapted = Adapted(proposal, proposal.means[-1], root @ root.T)
     for child in children:
-        found = _attempt(model, modes, proposal, child, ess, evidence_draws)
+        found = _attempt(model, modes, adapted, child, ess, evidence_draws)
         if found.converged and found.estimate.certain:
             break
         theta = found.chain.theta.reshape(-1, model.dimension)
-        proposal = refine(proposal, theta, found.chain.log_prob.ravel())
+        adapted = refine(adapted, theta, found.chain.log_prob.ravel())
     return found
 
 
 def _attempt(
     model: SampledModel,
     modes: tuple[Mode, ...],
-    proposal: TMixture,
+    adapted: Adapted,
     rng: np.random.Generator,
     ess: int,
     evidence_draws: int,
 ) -> SampledPosterior:
     """Sample with one proposal, and estimate the evidence with it."""
     for_evidence, for_chains = rng.spawn(2)
+    proposal = adapted.proposal
 
     def finish(theta: Array, child: np.random.Generator) -> tuple[Array, Array]:
         full = model.complete(theta, child)
@@ -148,8 +152,7 @@ def _attempt(
     chain, full = sample_ensembles(
         model.log_prob,
         proposal,
-        # The last component spans the whole posterior.
-        Whitening(proposal.means[-1], proposal.roots[-1]),
+        Whitening(adapted.mean, cholesky(adapted.covariance)),
         finish,
         for_chains,
         ess,

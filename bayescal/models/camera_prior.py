@@ -144,7 +144,7 @@ class PinholePrior:
             sd = np.full(order, self.tau * self.width)
             return log_normal(displacement, np.zeros(order), sd)
         q = ((displacement / self.width) ** 2).sum(axis=1)
-        return self.strength(order).log_density(q) - order * math.log(self.width)
+        return np.asarray(self.strength(order).log_density(q) - order * math.log(self.width))
 
     def draw(self, rng: np.random.Generator, geometry: PinholeGeometry, size: int) -> Array:
         """Draw all coordinates; nan where the points' centroid is behind the camera.

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import rq
 from scipy.spatial.transform import Rotation
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, frozen
 
 FEWEST_POINTS = 6  # 11 unknowns, two equations a point
 # Singular value of the centred points, over the largest, below which they are coplanar.
@@ -84,7 +84,11 @@ def direct_linear(world: Array, pixels: Array) -> LinearCamera | None:
     intrinsic /= intrinsic[2, 2]
     position = -np.linalg.solve(matrix[:, :3], matrix[:, 3])
     return LinearCamera(
-        np.diag(intrinsic)[:2].copy(), intrinsic[:2, 2].copy(), turned, position, mirrored
+        frozen([intrinsic[0, 0], intrinsic[1, 1]]),
+        frozen([intrinsic[0, 2], intrinsic[1, 2]]),
+        frozen(turned.tolist()),
+        frozen(position.tolist()),
+        mirrored,
     )
 
 

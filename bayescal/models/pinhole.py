@@ -104,7 +104,7 @@ class PinholeGeometry:
     def position(self, theta: Array) -> Array:
         """Camera position C, ``(n_draws, 3)``, world units."""
         turned = np.einsum("mji,mj->mi", self.rotation(theta), self.anchor(theta))
-        return self.centroid - turned
+        return np.asarray(self.centroid - turned)
 
     def log_volume(self, theta: Array) -> Array:
         """Log of |d C / d anchor|, ``(n_draws,)``: depth^3 / (f_r f_c)."""

@@ -1,0 +1,254 @@
+"""Validate the pinhole where a test would be too slow: ./scripts/validate_families [PART ...].
+
+nested     evidence against dynesty (random walks, 1000 live points) on two data sets
+sbc        ranks of the truth among the draws over cameras drawn from the prior
+orders     how often orders to which a probability is given are the true ones
+stretch    effective samples a second against emcee's own stretch move
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import emcee
+import numpy as np
+from scipy import stats
+from scipy.special import logsumexp, ndtri
+from threadpoolctl import threadpool_limits
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+import bayescal as bc
+from bayescal.arrays import Array
+from bayescal.errors import InputError
+from bayescal.inference.arviz_bridge import diagnose
+from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.pinhole import PinholeModel
+from bayescal.inference.pinhole_fit import JointData, fit_pinhole
+from bayescal.inference.pinhole_proposal import ladder
+from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
+from bayescal.models.camera_prior import PinholePrior, pinhole_prior
+from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.pinhole import POSE, PinholeGeometry
+from bayescal.models.priors import TAU_BOUNDS
+from bayescal.points.camera import StatedCamera
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import Setup
+from tests.cameras import problem, turned_points
+
+LIVE = 1000
+SETS = 60
+ORDERS = (0, 1, 2)
+LEVELS = (NoiseLevel.inferred((0.3, 5.0)), NoiseLevel.inferred((0.3, 5.0)))
+# What cameras are drawn from: a laboratory that knows its camera fairly well.
+KNOWN = StatedCamera(
+    position_sd=(20.0, 20.0, 20.0),
+    orientation_sd=(5.0, 5.0, 5.0),
+    focal=1100.0,
+    focal_log_sd=0.1,
+    ratio_log_sd=0.02,
+    centre_sd=(40.0, 40.0),
+)
+TAU = 0.02
+
+
+def build(points: Correspondences, order: int, tau: float | None = None) -> PinholeModel:
+    """Fit a pinhole with the levels of `points`' problem."""
+    geometry, prior, data = problem(points, order, tau=tau)
+    return PinholeModel.of(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
+
+
+def sampled(model: PinholeModel, seed: int, ess: int) -> SampledPosterior:
+    """Sample as the program does."""
+    modes, log_mass = ladder(model)
+    guess = mixture_about(modes, log_mass), modes[:1]
+    return sample_model(model, np.random.default_rng(seed), ess, guess)
+
+
+def from_cube(model: PinholeModel) -> Callable[[Array], Array]:
+    """Map the unit cube to all coordinates by the prior, tau a coordinate of its own."""
+    prior, geometry = model.prior, model.geometry
+    low, high = (math.log(b) for b in TAU_BOUNDS)
+
+    def transform(u: Array) -> Array:
+        z = ndtri(u)
+        theta = np.zeros((1, POSE + geometry.order))
+        theta[0, 0] = math.log(prior.focal) + prior.focal_log_sd * z[0]
+        theta[0, 1] = theta[0, 0] + prior.ratio_log_sd * z[1]
+        theta[0, 2:4] = prior.centre + prior.centre_sd * z[2:4]
+        theta[0, 4:7] = prior.rotation_sd * z[4:7]
+        tau = math.exp(low + (high - low) * u[-1])
+        if geometry.order:
+            theta[0, POSE:] = tau * prior.width * z[10:-1]
+        position = prior.position.mean + prior.position.sd * z[7:10]
+        all_coordinates = geometry.to_anchor(theta, position)[0]
+        return np.append(all_coordinates, tau) if geometry.order else all_coordinates
+
+    return transform
+
+
+def nested() -> None:
+    """Compare evidences with dynesty's."""
+    import dynesty
+
+    cases = (
+        ("thesis data, order 1", bc.thesis(), 1),
+        ("turned camera, order 1", turned_points(0.06), 1),
+    )
+    for name, points, order in cases:
+        model = build(points, order)
+        ours = sampled(model, 0, 1000).estimate
+
+        def log_likelihood(theta: Array, model: PinholeModel = model) -> float:
+            if not np.isfinite(theta).all():
+                return -1e100
+            with np.errstate(all="ignore"):
+                residuals, possible = model._residuals(theta[None, : POSE + model.geometry.order])
+                value = sum(model._log_marginal(i, model._rss(residuals, i))[0] for i in range(2))
+            return float(value) if possible[0] and math.isfinite(value) else -1e100
+
+        free = POSE + order + (order > 0)
+        sampler = dynesty.NestedSampler(
+            log_likelihood, from_cube(model), free, nlive=LIVE, sample="rwalk",
+            rstate=np.random.default_rng(1),
+        )  # fmt: skip
+        sampler.run_nested(print_progress=False, dlogz=0.05)
+        found = sampler.results
+        value, error = float(found.logz[-1]), float(found.logzerr[-1])
+        off = (ours.log_evidence - value) / math.hypot(error, ours.error)
+        print(
+            f"{name}: {ours.log_evidence:.3f} +- {ours.error:.3f}; dynesty {value:.2f} +- "
+            f"{error:.2f}: {off:+.1f} errors",
+            flush=True,
+        )
+
+
+def simulated(order: int, seed: int) -> tuple[Correspondences, Array, Array]:
+    """Points of a camera drawn from the prior, its coordinates and its two sigmas."""
+    rng = np.random.default_rng([order, seed])
+    setup = Setup(position=(0.0, 0.0, 0.0), width=1920.0, height=1080.0, camera=KNOWN)
+    world = np.column_stack(
+        [rng.uniform(-250, 250, 40), rng.uniform(-120, 120, 40), rng.uniform(300, 700, 40)]
+    )
+    blank = bc.Correspondences.from_arrays(world, np.zeros((40, 2)), setup=setup)
+    prior = pinhole_prior(blank, TAU)
+    geometry = _geometry(blank, prior, order)
+    theta = prior.draw(rng, geometry, 1)
+    sigma = np.exp(rng.uniform(math.log(0.3), math.log(5.0), 2))
+    pixels, depth = geometry.project(theta)
+    assert (depth > 0).all(), "the prior keeps the points in front"
+    noisy = pixels[0] + sigma[:, None] * rng.standard_normal((2, 40))
+    return bc.Correspondences.from_arrays(world, noisy.T, setup=setup), theta, sigma
+
+
+def _geometry(points: Correspondences, prior: PinholePrior, order: int) -> PinholeGeometry:
+    return PinholeGeometry(points.world, prior.orientation, prior.half_diagonal, order)
+
+
+def model_of(points: Correspondences, order: int) -> PinholeModel:
+    """Build the model the simulated data came from."""
+    prior = pinhole_prior(points, TAU)
+    geometry = _geometry(points, prior, order)
+    data = JointData(np.stack([points.pixel(a) for a in "rc"]), (None, None), LEVELS)
+    return PinholeModel.of(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
+
+
+def sbc() -> None:
+    """Rank every parameter's truth among its draws (Talts et al. 2018)."""
+    for order in ORDERS:
+        ranks, names = [], ()
+        for seed in range(SETS):
+            points, theta, sigma = simulated(order, seed)
+            model = model_of(points, order)
+            found = sampled(model, seed, 100)
+            draws = found.chain.draws.reshape(-1, len(found.names))
+            full = np.concatenate(
+                [
+                    np.linalg.solve(model.frame.root, (theta - model.frame.mean).T).T,
+                    np.log(sigma)[None],
+                ],
+                axis=1,
+            )
+            truth, names = model.report(full)[0], found.names
+            ranks.append((draws < truth).mean(axis=0))
+        tests = [stats.kstest(np.array(ranks)[:, j], "uniform").pvalue for j in range(len(names))]
+        worst = int(np.argmin(tests))
+        print(
+            f"order {order}: {SETS} cameras, {len(names)} parameters; smallest p-value of uniform "
+            f"ranks {tests[worst]:.3f} ({names[worst]})",
+            flush=True,
+        )
+
+
+def orders() -> None:
+    """Compare probabilities of orders with how often they are true."""
+    given, true, right = [], [], 0
+    for order in ORDERS:
+        for seed in range(100):
+            points, _, _ = simulated(order, 1000 + seed)
+            try:
+                logs = np.array([logsumexp(ladder(model_of(points, k))[1]) for k in ORDERS])
+            except InputError as error:
+                print(f"order {order}, seed {seed}: {error}")
+                continue
+            chance = np.exp(logs - logsumexp(logs))
+            right += int(np.argmax(chance) == order)
+            given += chance.tolist()
+            true += [k == order for k in ORDERS]
+    p, hit = np.array(given), np.array(true, dtype=float)
+    print(f"{len(p) // len(ORDERS)} cameras; the most probable order is the true one {right} times")
+    edges = [0, 0.05, 0.2, 0.4, 0.6, 0.8, 1.0001]
+    for low, high in pairwise(edges):
+        part = (p >= low) & (p < high)
+        if part.any():
+            mean, share, n = p[part].mean(), hit[part].mean(), int(part.sum())
+            error = math.sqrt(max(mean * (1 - mean), 1e-9) / n)
+            print(f"  given {mean:.3f}: true {share:.3f} +- {error:.3f} ({n})", flush=True)
+
+
+def stretch() -> None:
+    """Measure effective samples a second against emcee's stretch move."""
+    for order in ORDERS:
+        start = time.perf_counter()
+        model = build(bc.thesis(), order)
+        found = sampled(model, 0, 4000)
+        ours = min(d.ess_bulk for d in found.chain.diagnostics) / (time.perf_counter() - start)
+        walkers = 4 * model.dimension
+        rng = np.random.default_rng(0)
+        begin = time.perf_counter()
+        sampler = emcee.EnsembleSampler(walkers, model.dimension, model.log_prob, vectorize=True)
+        state = sampler.run_mcmc(0.5 * rng.standard_normal((walkers, model.dimension)), 1000)
+        sampler.reset()
+        sampler.run_mcmc(state, 4000)
+        seconds = time.perf_counter() - begin
+        chain = sampler.get_chain()
+        # Of the ensemble's mean: its walkers are not independent chains.
+        size = min(diagnose(chain[:, :, j].T).ess_bulk for j in range(model.dimension))
+        print(
+            f"order {order}: ours {ours:.0f} effective samples a second, stretch move "
+            f"{size / seconds:.1f} (in whitened coordinates): {ours * seconds / size:.0f} times",
+            flush=True,
+        )
+
+
+PARTS = {"nested": nested, "sbc": sbc, "orders": orders, "stretch": stretch}
+
+
+def main() -> None:
+    """Run the parts asked for, or all."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("parts", nargs="*", choices=[*PARTS, []], default=list(PARTS))
+    with threadpool_limits(1):
+        for part in parser.parse_args().parts:
+            print(f"# {part}", flush=True)
+            PARTS[part]()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,150 @@
+"""Models of the joint data on one scale: probabilities, the verdict, weak combinations."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import bayescal as bc
+from bayescal.comparison.families import (
+    JointModel,
+    ModelName,
+    judge_families,
+    model_probabilities,
+)
+from bayescal.comparison.weak import weak_combinations
+from bayescal.errors import InputError
+from bayescal.models.camera_prior import position_prior
+from tests.cameras import turned_points
+
+
+def joint(family, orders, position, evidence, elpd=None):
+    name = ModelName(family, orders, position)
+    place = np.zeros(3)
+    return JointModel(name, 5, -10, 30, 40, evidence, 0.01, None, None, elpd, None, place)
+
+
+def test_a_family_gains_nothing_by_offering_more_orders():
+    """Equal evidences: half each, whatever the number of models."""
+    models = [joint("separable", (k, m), "stated", -5.0) for k in (1, 2) for m in (1, 2)]
+    models += [joint("separable", (1, 1), "free", -5.0), joint("pinhole", (0,), "free", -5.0)]
+    chances = model_probabilities(models)
+    assert chances == pytest.approx([1 / 16] * 4 + [1 / 4, 1 / 2])
+
+
+def test_verdict_sums_families_and_positions():
+    models = [joint("pinhole", (1,), "free", -1.0), joint("separable", (4, 1), "stated", -9.0)]
+    verdict = judge_families(models, model_probabilities(models), ["a caveat"])
+    assert verdict.best == models[0].name
+    assert verdict.decided
+    assert verdict.log_bayes_factor == pytest.approx(8.0)
+    assert verdict.families["pinhole"] == pytest.approx(1 / (1 + np.exp(-8)))
+    assert verdict.positions["stated"] == pytest.approx(1 / (1 + np.exp(8)))
+    assert "2 ln B = 16.0, very strong" in verdict.text
+    assert "free camera position has >99.9%" in verdict.text
+
+
+def test_weak_combinations_of_a_known_matrix():
+    """Two of three move as one (correlation 0.99); without correlations nothing is said."""
+    matrix = np.array([[1, -0.99, 0], [-0.99, 1, 0], [0, 0, 1.0]])
+    ((names, shares),) = weak_combinations(("a", "b", "c"), matrix)
+    assert set(names) == {"a", "b"}
+    assert shares == pytest.approx((np.sqrt(0.5), -np.sqrt(0.5)))
+    assert weak_combinations(("a", "b", "c"), np.eye(3)) == ()
+
+
+@pytest.fixture(scope="module")
+def thesis_families():
+    return bc.compare_families(
+        bc.thesis(), ["separable", "bivariate", "pinhole"], [1, 4], radial_orders=[0, 1], ess=400
+    )
+
+
+def test_at_the_stated_position_joint_models_are_products_of_axes(
+    thesis_families, thesis_comparison
+):
+    """Evidence, BIC and AIC of a pair are the sums over its axes (those of `compare`)."""
+    r, c = (thesis_comparison.axes[a] for a in "rc")
+    for k in (1, 4):
+        for m in (1, 4):
+            pair = thesis_families[f"separable ({k}, {m}), position stated"]
+            one, other = r[k], c[m]
+            assert pair.log_evidence == pytest.approx(one.log_evidence + other.log_evidence)
+            assert pair.bic == pytest.approx(one.criteria.bic + other.criteria.bic)
+            assert pair.aic == pytest.approx(one.criteria.aic + other.criteria.aic)
+            assert pair.n_parameters == one.criteria.n_parameters + other.criteria.n_parameters
+
+
+def test_thesis_data_across_families(thesis_families):
+    """Joint BIC of the pair at the stated position and of the pinhole, as the design says."""
+    pair = thesis_families["separable (4, 1), position stated"]
+    pinhole = thesis_families["pinhole 0, position free"]
+    assert pair.bic == pytest.approx(644.1, abs=0.05)
+    assert pinhole.bic == pytest.approx(630.1, abs=0.05)
+    assert thesis_families["bivariate 1, position stated"].log_evidence < pair.log_evidence - 30
+    assert thesis_families.sound
+    assert sum(thesis_families.probabilities) == pytest.approx(1)
+
+
+def test_leave_one_out_of_a_pinhole_is_that_of_fits_without_the_point(thesis_families):
+    """A middling point: PSIS against the evidence with it over that without it."""
+    points = bc.thesis()
+    model = thesis_families["pinhole 0, position free"]
+    point = int(np.argsort(model.elpd_pointwise)[len(points) // 2])
+    keep = np.arange(len(points)) != point
+    rest = replace(
+        points,
+        world=points.world[keep],
+        pixels=points.pixels[keep],
+        labels=tuple(label for i, label in enumerate(points.labels) if keep[i]),
+        lines=None,
+    )
+    sd = tuple(position_prior(points).sd.tolist())
+    known = replace(points.setup.camera, position_sd=sd)
+    rest = replace(rest, setup=replace(rest.setup, camera=known))
+    without = bc.fit_family(rest, "pinhole", (0,), ess=400)
+    # p(t_i | rest) = p(all) / p(rest), from evidences with errors of their own.
+    expected = model.log_evidence - without.best.log_evidence
+    error = np.hypot(model.log_evidence_error, without.best.log_evidence_error)
+    # The centroid, which anchors the coordinates, moves with the point: only they do.
+    assert model.elpd_pointwise[point] == pytest.approx(expected, abs=4 * error + 0.02)
+
+
+def test_a_turned_camera_rejects_the_polynomials():
+    found = bc.compare_families(
+        turned_points(0.06), ["separable", "bivariate", "pinhole"], [1], radial_orders=[0, 1],
+        ess=400,
+    )  # fmt: skip
+    assert str(found.best.name) == "pinhole 1, position free"
+    assert found.verdict.families["pinhole"] > 1 - 1e-12
+    assert found.verdict.decided
+    # The only other one within reach is the pinhole without distortion.
+    assert found.verdict.log_bayes_factor > 100
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"families": ["homography"]}, "family must be separable, bivariate, pinhole"),
+        ({"position": ["nowhere"]}, "position must be stated or free"),
+        ({"prior": "flat"}, "flat prior has no evidence"),
+        ({"noise": "student-t"}, "goes with --family pinhole alone"),
+    ],
+)
+def test_refusals(options, match):
+    with pytest.raises(InputError, match=match):
+        bc.compare_families(bc.thesis(), **options)
+
+
+def test_the_hint_is_given_where_it_is_due():
+    """The thesis data by BIC; points that a separable camera made: nothing."""
+    points = bc.thesis()
+    found = bc.compare(points, [1, 4], ess=100)
+    assert "free camera position" in found.hint
+    assert "BIC lower by 18" in found.hint
+    assert bc.compare(points, [1, 4], ess=100, hint=False).hint is None
+    away = points.camera_frame()
+    w, u = away[:, 0] / away[:, 2], away[:, 1] / away[:, 2]
+    exact = np.column_stack([960 + 1100 * w, 540 - 1100 * u])
+    noisy = exact + np.random.default_rng(0).normal(0, 2, exact.shape)
+    assert bc.compare(replace(points, pixels=noisy), [1, 2], ess=100).hint is None

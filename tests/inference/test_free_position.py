@@ -1,0 +1,127 @@
+"""Linear families at a free camera position: elimination, its slope, its evidence."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+import bayescal as bc
+from bayescal.family_analysis import Axis, free_model
+from bayescal.inference.closed_form import exact_posterior
+from bayescal.inference.free_position import position_mode, profile
+from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.least_squares import factorise
+from bayescal.inference.model import LinearModel
+from bayescal.inference.sampled_posterior import sample_model
+from bayescal.models import bivariate, separable
+from bayescal.models.camera_prior import PositionPrior
+from bayescal.models.noise.level import NoiseLevel
+from tests.problems import field_rule
+
+
+def axes(family):
+    made = [family.axis_data(bc.thesis(), a) for a in "rc"]
+    return tuple(Axis(d, NoiseLevel.inferred(), field_rule(d), "inferred") for d in made)
+
+
+def exact_evidence(pair, orders):
+    total = 0.0
+    for axis, k in zip(pair, orders, strict=True):
+        prior = axis.rule.of_degrees(axis.data.degrees(k))
+        made = LinearModel(factorise(axis.data, k), k, axis.noise, prior)
+        total += exact_posterior(made).log_evidence
+    return total
+
+
+@pytest.mark.parametrize("family", [separable, bivariate])
+def test_slope_of_the_sum_of_squares_is_that_of_finite_differences(family):
+    model, _ = free_model(bc.thesis(), axes(family), (2, 2))
+    for axis in model.axes:
+        place = np.array([331.0, 56.0, -5.0])
+        _, slope = profile(axis, place)
+        h = 1e-4
+        for j, unit in enumerate(np.eye(3)):
+            up, down = (profile(axis, place + s * h * unit)[0] for s in (1, -1))
+            # Sums of squares of 1e3 lose 1e-12 of themselves over a step of 1e-4.
+            assert slope[j] == pytest.approx((up - down) / (2 * h), rel=1e-5, abs=1e-3)
+
+
+def test_the_best_position_is_that_of_a_search_without_slopes():
+    """Joint BIC 625.6 of orders 4 and 1: what the design says of these data."""
+    points = bc.thesis()
+    model, likelihood = free_model(points, axes(separable), (4, 1))
+    t = [points.pixel(a) for a in "rc"]
+
+    def minus_log_likelihood(position):
+        away = points.world - position
+        w, u = away[:, 0] / away[:, 2], away[:, 1] / away[:, 2]
+        out = 0.0
+        for x, y, k in ((w, t[0], 4), (u, t[1], 1)):
+            fit = np.polynomial.Polynomial.fit(x, y, k)
+            rss = ((y - fit(x)) ** 2).sum()
+            out += 57 / 2 * (np.log(2 * np.pi * rss / 57) + 1)
+        return out
+
+    options = {"xatol": 1e-6, "fatol": 1e-9, "maxiter": 4000, "maxfev": 4000}
+    found = minimize(minus_log_likelihood, [330, 57, 0], method="Nelder-Mead", options=options)
+    assert likelihood == pytest.approx(-found.fun, abs=1e-6)
+    np.testing.assert_allclose(model.start, found.x, atol=2e-3)
+    assert -2 * likelihood + 12 * np.log(57) == pytest.approx(625.6, abs=0.05)
+
+
+@pytest.mark.parametrize("family", [separable, bivariate])
+def test_density_at_the_stated_position_is_the_closed_form(family):
+    pair = axes(family)
+    model, _ = free_model(bc.thesis(), pair, (2, 1))
+    theta = (model.prior.mean - model.start) / model.prior.sd
+    prior = model.prior.log_density(model.prior.mean[None])[0] + np.log(model.prior.sd).sum()
+    expected = exact_evidence(pair, (2, 1)) + prior
+    assert model.log_prob(theta[None])[0] == pytest.approx(expected, abs=0.01)
+
+
+def test_a_position_known_exactly_leaves_the_closed_form():
+    """A prior of 1e-4 world units: the general path must give the exact evidence."""
+    pair = axes(separable)
+    free, _ = free_model(bc.thesis(), pair, (1, 1))
+    prior = PositionPrior(free.prior.mean, np.full(3, 1e-4), True)
+    model = replace(free, prior=prior, start=free.prior.mean)
+    mode = position_mode(model)
+    guess = mixture_about((mode,), np.zeros(1)), (mode,)
+    found = sample_model(model, np.random.default_rng(0), 400, guess, 2000)
+    truth = exact_evidence(pair, (1, 1))
+    assert found.log_evidence == pytest.approx(truth, abs=4 * found.log_evidence_error + 1e-3)
+
+
+def test_what_was_integrated_out_is_drawn_from_its_exact_posterior():
+    pair = axes(separable)
+    free, _ = free_model(bc.thesis(), pair, (2, 1))
+    n = 1500
+    theta = np.tile((free.prior.mean - free.start) / free.prior.sd, (n, 1))
+    drawn = free.report(free.complete(theta, np.random.default_rng(0)))
+    made = LinearModel(
+        factorise(pair[0].data, 2), 2, pair[0].noise, pair[0].rule.of_order(2), "alpha"
+    )
+    exact = exact_posterior(made)
+    means, sds = exact.summary
+    for j in range(5):  # three coefficients, sigma and tau
+        assert abs(drawn[:, j].mean() - means[j]) < 4.5 * sds[j] / np.sqrt(n)
+        error = np.sqrt((exact.kurtosis[j] - 1) / 4 / n)
+        assert drawn[:, j].std() == pytest.approx(sds[j], rel=4.5 * error)
+
+
+def test_likelihood_of_the_draws_is_that_of_their_polynomials():
+    model, _ = free_model(bc.thesis(), axes(separable), (3, 1))
+    rng = np.random.default_rng(0)
+    full = model.complete(rng.normal(0, 0.01, (4, 3)), rng)
+    report = dict(zip(model.names, model.report(full).T, strict=True))
+    points, total = bc.thesis(), 0.0
+    for symbol, axis, column, k in (("alpha", "r", 0, 3), ("beta", "c", 1, 1)):
+        position = np.column_stack([report[f"position_{x}"] for x in "xyz"])
+        away = points.world[None] - position[:, None]
+        x = away[:, :, column] / away[:, :, 2]
+        prediction = sum(report[f"{symbol}_{j}"][:, None] * x**j for j in range(k + 1))
+        sigma = report[f"sigma_{axis}"][:, None]
+        z = (points.pixel(axis) - prediction) / sigma
+        total = total - z**2 / 2 - np.log(sigma) - np.log(2 * np.pi) / 2
+    np.testing.assert_allclose(model.log_likelihood(full), total, rtol=1e-8)

@@ -1,0 +1,111 @@
+"""compare --family, --position and fit --family: what they print, write and refuse."""
+
+import json
+
+import jsonschema
+import pytest
+
+from bayescal.cli import main
+from bayescal.report.families_document import families_schema
+
+
+def run(capsys, *arguments):
+    code = main([*arguments])
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def test_compare_across_families(capsys, tmp_path):
+    folder = tmp_path / "run"
+    code, out, err = run(
+        capsys, "compare", "--family", "separable,pinhole", "--orders", "1", "--position",
+        "stated,free", "--radial-orders", "0", "--ess", "200", "--out", str(folder),
+    )  # fmt: skip
+    assert code == 0
+    assert err == ""
+    assert max(len(line) for line in out.splitlines()) <= 100
+    assert "Verdict across families: " in out
+    assert "free camera position has" in out
+    document = json.loads((folder / "result.json").read_text())
+    jsonschema.validate(document, families_schema())
+    models = document["families"]["models"]
+    assert len(models) == 4
+    assert sum(m["probability"] for m in models) == pytest.approx(1)
+    assert document["verdict"]["best"] == models[0]["name"]
+    written = sorted(path.name for path in (folder / "draws").iterdir())
+    assert written == ["pinhole-0-free.nc", "pinhole-0-stated.nc", "separable-1-1-free.nc"]
+    code, _, err = run(capsys, "compare", "--family", "pinhole", "--out", str(folder))
+    assert code == 2
+    assert "--force" in err
+
+
+def test_fit_a_pinhole(capsys):
+    code, out, _ = run(capsys, "fit", "--family", "pinhole", "--order", "1", "--ess", "200")
+    assert code == 0
+    assert max(len(line) for line in out.splitlines()) <= 100
+    for words in ("focal_r", "centre_c", "rotation_x", "position_z", "k_1", "correlation"):
+        assert words in out
+    assert "weakly identified together: " in out
+    assert "rotation_x (+" in out
+
+
+def test_the_same_seed_gives_the_same_bytes(capsys):
+    arguments = ("fit", "--family", "pinhole", "--order", "0", "--ess", "200", "--json", "-")
+    first, second = (json.loads(run(capsys, *arguments)[1]) for _ in range(2))
+    for document in (first, second):
+        del document["provenance"]["created"]
+    assert first == second
+
+
+@pytest.mark.parametrize(
+    ("arguments", "match"),
+    [
+        (["compare", "--family", "pinhole", "--axis", "r"], "drop --axis r"),
+        (["compare", "--family", "pinhole", "--defend"], "drop --defend"),
+        (["compare", "--family", "pinhole", "--no-c-from-bottom"], "mirrored world"),
+        (["compare", "--family", "bivariate", "--orders", "10"], "the highest order that works"),
+        (["fit", "--family", "pinhole"], "give --order of the pinhole family"),
+        (["fit", "--position", "free", "--order-r", "4"], "give --order-r and --order-c"),
+        (["fit", "--family", "pinhole", "--order", "-1"], "order -1 is out of range"),
+    ],
+)
+def test_bad_requests(capsys, arguments, match):
+    code, out, err = run(capsys, *arguments)
+    assert (code, out) == (2, "")
+    assert match in err
+    assert err.count("\n") == 1
+
+
+def test_the_setup_states_pose_and_optics(capsys, tmp_path):
+    setup = tmp_path / "setup.toml"
+    known = (
+        "[camera]\nposition = [330, 57, 0]\nposition_sd = [1, 1, 20]\n\n"
+        "[image]\nwidth = 1920\nheight = 1080\nc_from_bottom = true\n\n"
+        "[prior.pinhole]\nfocal = 1100\nfocal_log_sd = 0.1\n"
+    )
+    setup.write_text(known)
+    arguments = (
+        "fit",
+        "--family",
+        "pinhole",
+        "--order",
+        "0",
+        "--ess",
+        "200",
+        "--setup",
+        str(setup),
+    )
+    code, out, _ = run(capsys, *arguments)
+    assert code == 0
+    assert "ln 1100, 0.1" in out
+    assert "z ~ N(0, 20) world units (sd as stated)" in out
+    for wrong, match in (
+        (known.replace("focal =", "focus ="), "setup.toml:11: prior.pinhole.focus: unknown key"),
+        (known.replace("= 1100", "= -1"), "setup.toml:11: focal must be positive and finite"),
+        (known.replace("[1, 1, 20]", "[1, 1]"), "setup.toml:3: camera.position_sd: must have 3"),
+        (known.replace("= 1100", '= "long"'), "setup.toml:11: prior.pinhole.focal: must be a"),
+    ):
+        setup.write_text(wrong)
+        code, out, err = run(capsys, *arguments)
+        assert (code, out) == (2, "")
+        assert match in err
