@@ -59,7 +59,7 @@ def caveats(results: Sequence[OrderResult], noise: NoiseLevel) -> list[str]:
         for r in results
         if r.evidence_warnings
     ]
-    found += _sampled_caveats(results)
+    found += sampled_caveats(results)
     wrong = [
         str(r.order)
         for r in results
@@ -84,8 +84,13 @@ def _sigma_at_bounds(result: OrderResult) -> tuple[float, float]:
     return model.sigma_at_bounds(posterior.chain.theta.reshape(-1, model.dimension))
 
 
-def _sampled_caveats(results: Sequence[OrderResult]) -> list[str]:
-    """Say where a lead is within Monte Carlo error, or bad points are no exception any more."""
+def sampled_caveats(results: Sequence[OrderResult]) -> list[str]:
+    """Say where a lead is within Monte Carlo error, or bad points are no exception any more.
+
+    Parameters
+    ----------
+    results : sequence of OrderResult
+    """
     found = []
     by_evidence = sorted(results, key=lambda r: -(r.log_evidence or 0.0))
     best = by_evidence[0].posterior

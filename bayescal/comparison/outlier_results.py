@@ -14,6 +14,9 @@ from bayescal.models.noise.level import NoiseLevel
 from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import rounded, significant
 
+# 2 ln B above which Gaussian noise is called wrong rather than doubtful: strong evidence.
+STRONG = 6.0
+
 
 @dataclass(frozen=True, eq=False)
 class Treatment:
@@ -168,8 +171,9 @@ class AxisOutliers:
         lead = best.total - gaussian.total
         doubt = " (an uncertain evidence)" if best.warnings else ""
         if lead > MENTION / 2 and lead > ERRORS * best.total_error:
+            kind = "the wrong" if 2 * lead > STRONG else "a doubtful"
             return (
-                f"Gaussian noise is the wrong assumption here: {in_words(best.name)} noise has "
+                f"Gaussian noise is {kind} assumption here: {in_words(best.name)} noise has "
                 f"2 ln B = {2 * lead:.1f} against it{doubt}, {strength(lead)} (Kass & Raftery)."
             )
         if -lead > MENTION / 2:

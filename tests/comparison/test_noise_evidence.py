@@ -48,4 +48,4 @@ def test_the_priors_of_other_noise_are_printed(thesis_comparison):
     student, mixture = other(1.0, 0.01), replace(other(1.0, 0.01), name="outlier-mixture")
     (line,) = other_noise_lines(thesis_comparison.axes["c"], (student, mixture))
     assert "Gamma(shape 2, rate 0.1)" in line
-    assert "log-uniform from 1 to 1000 px" in line
+    assert "log-uniform from 5 to 1000 px" in line

@@ -10,10 +10,14 @@ import pytest
 from scipy.special import gammaincinv, logsumexp, ndtri
 
 import bayescal as bc
+from bayescal.comparison.caveats import MANY_BAD, sampled_caveats
+from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.leave_one_out import leave_one_out
 from bayescal.comparison.psis import sampled_leave_one_out
+from bayescal.comparison.results import OrderResult
 from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.least_squares import factorise
+from bayescal.inference.least_squares import LeastSquaresFit, factorise
 from bayescal.inference.model import LinearModel
 from bayescal.inference.robust_linear import RobustLinearModel
 from bayescal.inference.sampled_posterior import sample_model
@@ -133,14 +137,30 @@ def test_evidence_spreads_little_over_seeds_and_bridge_sampling_agrees():
 
 
 def test_without_the_bound_on_the_fraction_the_labels_swap_and_that_is_said():
-    """Negative control: with a fraction up to 1, "bad" names most of the points."""
-    data = axis_data(bc.thesis(), "c")
-    prior = PriorRule("field", data.size, data.size / 2).of_order(1)
-    swapped = RobustLinearModel.of_order(
-        data, 1, NoiseLevel.inferred(), prior, OutlierMixture(largest_fraction=1.0)
-    )
-    found = sample_model(swapped, np.random.default_rng(1), 1000)
-    bounded = sample_model(thesis_model("c", 1, OutlierMixture()), np.random.default_rng(1), 1000)
-    assert found["bad_fraction"].mean > 0.5 > 0.3 > bounded["bad_fraction"].mean
-    full = found.full.reshape(-1, found.full.shape[2])
-    assert (swapped.bad_probability(full).mean(axis=0) > 0.5).mean() > 0.5
+    """Negative control: clean data and a fraction up to 1, of which most is soon "bad"."""
+    rng = np.random.default_rng(1)
+    x = np.linspace(-1, 1, 40)
+    data = generic_axis(x, 500 + 300 * x + rng.normal(0, 4, 40))
+    prior = PriorRule("field", 1000.0, 500.0).of_order(1)
+    found = {
+        largest: sample_model(
+            RobustLinearModel.of_order(
+                data, 1, NoiseLevel.inferred(), prior, OutlierMixture(largest_fraction=largest)
+            ),
+            np.random.default_rng(1),
+            1000,
+        )
+        for largest in (0.5, 1.0)
+    }
+    assert found[1.0]["bad_fraction"].mean > MANY_BAD
+    said = sampled_caveats([result_of(found[1.0])])
+    assert any("bad is no exception here" in line for line in said)
+    assert found[0.5]["bad_fraction"].mean < MANY_BAD
+    assert not sampled_caveats([result_of(found[0.5])])
+
+
+def result_of(posterior):
+    """Wrap a posterior as the only order compared."""
+    fit = LeastSquaresFit(1, np.zeros(2), None, np.zeros(2), 0.0, 38, None, False)
+    none = GoodnessOfFit(None, 38, None, None, None, None, None)
+    return OrderResult(1, fit, 0.0, none, Criteria(5, None, None, None, None), posterior, 1.0)

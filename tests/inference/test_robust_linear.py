@@ -54,7 +54,7 @@ def plain_log_prob(model, theta):
             total += stats.t.logpdf(residual, math.exp(rest[0]), scale=scale)
         elif isinstance(model.noise, OutlierMixture):
             f = stats.norm.cdf(rest[0]) / 2
-            width = 1000 ** stats.norm.cdf(rest[1])
+            width = 5 * 200 ** stats.norm.cdf(rest[1])
             good = (1 - f) * stats.norm.pdf(residual, scale=scale)
             bad = f * stats.norm.pdf(residual, scale=math.hypot(scale, width))
             total += math.log(good + bad)
