@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import softmax
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array, frozen
@@ -23,6 +24,7 @@ from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import exact_posterior
+from bayescal.inference.estimate import from_weights
 from bayescal.inference.free_position import FreePositionModel, MovingAxis
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.least_squares import factorise
@@ -361,6 +363,7 @@ class _Found:
     pointwise: Array
     pareto_k: float
     posterior: SampledPosterior | None
+    doubts: tuple[str, ...] = ()
 
 
 def _from_posterior(posterior: SampledPosterior) -> _Found:
@@ -376,13 +379,12 @@ def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.G
     """Find the same by importance sampling: in three dimensions nearly every draw is effective."""
     theta = proposal.draw(rng, WEIGHTED_DRAWS)
     log_w = model.log_prob(theta) - proposal.log_density(theta)
-    top = float(log_w.max())
-    w = np.exp(log_w - top)
-    error = float(w.std(ddof=1) / w.mean()) / math.sqrt(len(w))
-    again = theta[rng.choice(len(w), len(w), p=w / w.sum())]
+    estimate = from_weights(log_w)
+    again = theta[rng.choice(len(log_w), len(log_w), p=softmax(log_w))]
     likelihood = model.log_likelihood(model.complete(again, rng))
     pointwise, _, shape = psis_loo(likelihood.T)
-    return _Found(math.log(w.mean()) + top, error, pointwise, float(shape.max()), None)
+    value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
+    return _Found(value, error, pointwise, float(shape.max()), None, doubts)
 
 
 def _joint(
@@ -401,6 +403,7 @@ def _joint(
         found.pareto_k,
         position,
         found.posterior,
+        found.doubts,
     )
 
 
@@ -477,6 +480,13 @@ def _caveats(
                 f"the position found is {shift.max():.1f} prior sds from the stated one: "
                 "prior and data disagree"
             )
+    if {m.name.position for m in models} == {STATED, FREE} and not position_prior(points).stated:
+        # Three normal densities of twice the width are an eighth as high at the most.
+        out.append(
+            "the evidence of a free position depends on its prior's sd, which is a default: "
+            f"twice as wide would cost it up to {3 * math.log(2):.1f} nat; the setup's position_sd "
+            "sets it"
+        )
     known = [m for m in models if m.elpd is not None]
     ahead = max(known, key=lambda m: m.elpd or 0.0, default=best)
     if ahead is not best and best.elpd_pointwise is not None and ahead.elpd_pointwise is not None:

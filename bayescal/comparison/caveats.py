@@ -104,12 +104,22 @@ def sampled_caveats(results: Sequence[OrderResult]) -> list[str]:
                 f"the lead of order {by_evidence[0].order} over order {second.order} is within "
                 f"the Monte Carlo error of their evidences, {error:.2g} nat"
             )
+    if isinstance(best.model, RobustLinearModel) and _sd_as_scale(best.model):
+        found.append(
+            "the known sigma, a standard deviation, is taken as the scale of the t, whose own "
+            "standard deviation is sqrt(nu / (nu - 2)) times larger; --sigma inferred assumes less"
+        )
     if "bad_fraction" in best.names and best["bad_fraction"].mean > MANY_BAD:
         found.append(
             f"{100 * best['bad_fraction'].mean:.0f} % of the points are bad under the mixture, "
             "whose bound is 50 %: bad is no exception here, and the labels may mean little"
         )
     return found
+
+
+def _sd_as_scale(model: RobustLinearModel) -> bool:
+    """Whether a known standard deviation stands for the scale of Student-t noise."""
+    return model.noise.name == "student-t" and not model.infers_sigma
 
 
 def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str, ...]:

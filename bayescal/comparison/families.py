@@ -69,6 +69,8 @@ class JointModel:
         Camera position of highest likelihood, ``(3,)``, world units.
     posterior : SampledPosterior or None
         Of a model that was sampled: pinholes, and a family's best at a free position.
+    doubts : tuple of str
+        Why an evidence that was had without sampling should not be trusted.
     """
 
     name: ModelName
@@ -84,16 +86,17 @@ class JointModel:
     pareto_k: float | None
     position: Array
     posterior: SampledPosterior | None = None
+    doubts: tuple[str, ...] = ()
 
     @property
     def sound(self) -> bool:
         """Whether its draws, if any, met the stopping rule and its evidence can be trusted."""
-        return self.posterior is None or (self.posterior.converged and not self.warnings)
+        return not self.warnings and (self.posterior is None or self.posterior.converged)
 
     @property
     def warnings(self) -> tuple[str, ...]:
         """Why its evidence should not be trusted."""
-        return () if self.posterior is None else self.posterior.estimate.warnings
+        return self.doubts if self.posterior is None else self.posterior.estimate.warnings
 
 
 @dataclass(frozen=True, eq=False)

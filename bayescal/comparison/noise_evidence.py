@@ -150,13 +150,17 @@ def with_noises(
     if order is None:  # a flat prior has no evidence
         return defence
     if known is None:
-        unit = 1.0 if axis.data.axis != "y" else axis.data.size / TYPICAL_SIZE
-        others = [NoiseChoice(n).model(unit) for n in NOISE_MODELS if n != axis.noise_model.name]
+        others = [named(n, axis.data) for n in NOISE_MODELS if n != axis.noise_model.name]
         known = tuple(
             noise_evidence(axis.data, axis.noise, axis.prior, noise, [order], child)
             for noise, child in zip(others, rng.spawn(len(others)), strict=True)
         )
     return replace(defence, noises=known)
+
+
+def named(name: str, data: AxisData) -> NoiseModel:
+    """Noise model of a name for some data, with its default priors."""
+    return NoiseChoice(name).model(1.0 if data.axis != "y" else data.size / TYPICAL_SIZE)
 
 
 def about_noise(verdict: AxisVerdict, axis: AxisComparison, defence: Defence) -> AxisVerdict:
@@ -171,9 +175,10 @@ def about_noise(verdict: AxisVerdict, axis: AxisComparison, defence: Defence) ->
     """
     if not defence.noises or verdict.order is None:
         return verdict
-    own, value = axis.noise_model.name, axis[verdict.order].log_evidence
+    own, chosen = axis.noise_model.name, axis[verdict.order]
+    value, error = chosen.log_evidence, chosen.posterior.log_evidence_error
     assert value is not None, "an order is recommended by its evidence"
-    text, caveat = noise_words(own, value, defence.noises)
+    text, caveat = noise_words(own, value, defence.noises, error or 0.0)
     return replace(
         verdict,
         text=f"{verdict.text} {text}".strip(),
@@ -181,7 +186,9 @@ def about_noise(verdict: AxisVerdict, axis: AxisComparison, defence: Defence) ->
     )
 
 
-def noise_words(own: str, value: float, others: Sequence[NoiseEvidence]) -> tuple[str, str | None]:
+def noise_words(
+    own: str, value: float, others: Sequence[NoiseEvidence], error: float = 0.0
+) -> tuple[str, str | None]:
     """Say how other noise models compare with the one used, and the caveat if one is better.
 
     Parameters
@@ -192,6 +199,8 @@ def noise_words(own: str, value: float, others: Sequence[NoiseEvidence]) -> tupl
         Its log evidence.
     others : sequence of NoiseEvidence
         Of the same orders.
+    error : float, optional
+        Monte Carlo error of `value`, nat.
 
     Returns
     -------
@@ -200,8 +209,8 @@ def noise_words(own: str, value: float, others: Sequence[NoiseEvidence]) -> tupl
     """
     best = max(others, key=lambda o: o.total)
     lead = best.total - value
-    if lead > MENTION / 2 and lead > ERRORS * best.total_error:
-        doubt = f" (uncertain by {best.total_error:.2g})" if best.warnings else ""
+    if lead > MENTION / 2 and lead > ERRORS * math.hypot(best.total_error, error):
+        doubt = " (an evidence that should not be trusted)" if best.warnings else ""
         return "", (
             f"{in_words(own)} noise itself is a doubtful assumption: under {in_words(best.name)} "
             f"noise these data are {_times(lead)} as probable, 2 ln B = {2 * lead:.1f}{doubt}, "

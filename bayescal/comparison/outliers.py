@@ -49,8 +49,9 @@ class PointRecord:
         Share of a good point's precision that Student-t noise leaves it, posterior mean.
     order_without : int
         The order that wins without it, under Gaussian noise.
-    log_bayes_factor_without : float
-        ln B, without it, of the order that wins with it against the best other one.
+    log_bayes_factor_without : float or None
+        ln B, without it, of the order that wins with it against the best other one; None
+        where one order is all there is.
     """
 
     index: int
@@ -66,7 +67,7 @@ class PointRecord:
     bad_probability: float
     weight: float
     order_without: int
-    log_bayes_factor_without: float
+    log_bayes_factor_without: float | None
 
     @property
     def off(self) -> float:
@@ -181,7 +182,7 @@ def point_records(
             float(robust.bad_probability[i]),
             float(robust.weight[i]),
             orders[best[i]],
-            float(lead[i]),
+            _number(lead[i]),
         )
         for i in range(len(data))
     ]

@@ -10,7 +10,7 @@ importance weights alone would hide.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.special import logsumexp
@@ -84,28 +84,43 @@ def estimate_evidence(
     others : tuple of str, optional
         Warnings from elsewhere.
     """
+    found = from_weights(log_weights)
+    if not math.isfinite(found.log_evidence):
+        return found
+    log_z = found.log_evidence
+    bridge, bridge_error = bridge_sampling(log_weights, log_weights_posterior, effective)
+    warnings = [*others, *found.warnings]
+    if not abs(bridge - log_z) <= DISAGREEMENT:
+        warnings.append(f"bridge sampling gives {bridge:.2f}, importance sampling {log_z:.2f}")
+    return replace(found, bridge=bridge, bridge_error=bridge_error, warnings=tuple(warnings))
+
+
+def from_weights(log_weights: Array) -> EvidenceEstimate:
+    """Evidence by importance sampling alone, which no bridge checks: that is left NaN.
+
+    Parameters
+    ----------
+    log_weights : Array
+        ln p - ln q at draws of q, ``(n_draws,)``; -inf outside the support.
+    """
     n = len(log_weights)
-    total = float(logsumexp(log_weights))
-    log_z = total - math.log(n)
+    log_z = float(logsumexp(log_weights)) - math.log(n)
     if not math.isfinite(log_z):
         broken = ("no draw of the proposal met the posterior",)
         return EvidenceEstimate(log_z, math.inf, math.nan, math.inf, 0.0, math.inf, n, broken)
     relative = np.exp(log_weights - log_z)
     error = float(relative.std(ddof=1)) / math.sqrt(n)
     fraction = 1 / float(np.mean(relative**2))
-    bridge, bridge_error = bridge_sampling(log_weights, log_weights_posterior, effective)
     shape = pareto_shape(log_weights)
-    warnings = [*others]
+    warnings = []
     if not error <= UNCERTAIN:
         warnings.append(f"its Monte Carlo error is {error:.2g} nat, over {UNCERTAIN:g}")
-    if not abs(bridge - log_z) <= DISAGREEMENT:
-        warnings.append(f"bridge sampling gives {bridge:.2f}, importance sampling {log_z:.2f}")
     largest = float(relative.max()) / n
     if not shape <= LARGEST_K and largest > NOTICEABLE:  # among even weights the tail is nothing
         warnings.append(f"the Pareto k of its weights is {shape:.2f}, over {LARGEST_K:g}")
     if fraction < SMALLEST_FRACTION:
         warnings.append(f"{100 * fraction:.2g} % of the proposal's draws are effective")
-    return EvidenceEstimate(log_z, error, bridge, bridge_error, fraction, shape, n, tuple(warnings))
+    return EvidenceEstimate(log_z, error, math.nan, math.inf, fraction, shape, n, tuple(warnings))
 
 
 def bridge_sampling(

@@ -138,9 +138,7 @@ def sample_model(
     return found
 
 
-def _explored(
-    model: SampledModel, rng: np.random.Generator
-) -> tuple[tuple[Mode, ...], Adapted]:
+def _explored(model: SampledModel, rng: np.random.Generator) -> tuple[tuple[Mode, ...], Adapted]:
     """Modes and an adapted proposal: where it is too thin, climb from there and adapt again."""
     modes = find_modes(model.log_prob, model.starts())
     if not modes:

@@ -25,10 +25,10 @@ from bayescal.arrays import Array
 LOG_2PI = math.log(2 * math.pi)
 # Below it the integrand does not depend on q any more (and q = 0 would be 0 / 0).
 SMALLEST = 1e-30
-# Beyond it the upper incomplete gamma function comes from its asymptotic series, before
-# it underflows.
-LARGE = 500.0
-TERMS = 20
+# Below it an incomplete gamma function comes from a series, before it underflows: many
+# residuals that a model fits far below the lowest sigma get there.
+TINY = 1e-290
+TERMS = 60
 
 
 @dataclass(frozen=True)
@@ -68,12 +68,11 @@ class Strength:
         a = self.size / 2
         q, first, last = self._limits(q)
         lower, upper = self.log_bounds
-        mass = np.empty(len(q))
-        near = first <= a
-        mass[near] = np.log(gammainc(a, last[near]) - gammainc(a, first[near]))
-        mass[~near] = _log_upper(a, first[~near])
-        far = ~near & (first < LARGE)
-        mass[far] += np.log1p(-gammaincc(a, last[far]) / gammaincc(a, first[far]))
+        near = first <= a  # differences of the smaller tail keep their digits
+        more, less = np.empty(len(q)), np.empty(len(q))
+        more[near], less[near] = _log_lower(a, last[near]), _log_lower(a, first[near])
+        more[~near], less[~near] = _log_upper(a, first[~near]), _log_upper(a, last[~near])
+        mass = more + np.log1p(-np.exp(less - more))
         constant = -a * LOG_2PI + a * math.log(2) + float(gammaln(a))
         return np.asarray(constant - math.log(2 * (upper - lower)) - a * np.log(q) + mass)
 
@@ -89,26 +88,46 @@ class Strength:
         a = self.size / 2
         q, first, last = self._limits(q)
         u = rng.random(len(q))
-        v = first + rng.standard_exponential(len(q))  # where nothing else is resolved
+        v = np.empty(len(q))
         near = first <= a
         low, high = gammainc(a, first[near]), gammainc(a, last[near])
         v[near] = gammaincinv(a, low + u[near] * (high - low))
-        far = ~near & (first < LARGE)
-        low, high = gammaincc(a, first[far]), gammaincc(a, last[far])
-        v[far] = gammainccinv(a, low + u[far] * (high - low))
+        low, high = gammaincc(a, first[~near]), gammaincc(a, last[~near])
+        v[~near] = gammainccinv(a, low + u[~near] * (high - low))
+        # So far in a tail v keeps to its end, and its density is a power or exponential there.
+        at = np.flatnonzero(near)[gammainc(a, last[near]) < TINY]
+        v[at] = last[at] * u[at] ** (1 / (a - last[at]))
+        at = np.flatnonzero(~near)[low < TINY]
+        v[at] = first[at] - np.log1p(-u[at]) / (1 - (a - 1) / first[at])
         return np.asarray(np.clip(np.log(q / 2 / np.clip(v, first, last)) / 2, *self.log_bounds))
 
 
-def _log_upper(a: float, v: Array) -> Array:
-    """Log of the regularised upper incomplete gamma function, v above a."""
-    out = np.empty(len(v))
-    small = v < LARGE
-    out[small] = np.log(gammaincc(a, v[small]))
-    large = v[~small]
-    # DLMF 8.11.2: Gamma(a, v) ~ v^(a - 1) exp(-v) sum_k (a - 1) ... (a - k) / v^k.
-    term, total = np.ones(len(large)), np.ones(len(large))
-    for k in range(1, TERMS):
-        term = term * (a - k) / large
-        total += term
-    out[~small] = (a - 1) * np.log(large) - large + np.log(total) - float(gammaln(a))
+def _log_lower(a: float, v: Array) -> Array:
+    """Log of the regularised lower incomplete gamma function, v below a where it is tiny."""
+    value = np.asarray(gammainc(a, v))
+    out = np.log(np.maximum(value, TINY))
+    tiny = value < TINY
+    small = v[tiny]
+    # DLMF 8.7.1: gamma(a, v) = v^a exp(-v) sum_k v^k / (a ... (a + k)).
+    out[tiny] = a * np.log(small) - small - float(gammaln(a + 1)) + np.log(_sum(small, a, 1))
     return out
+
+
+def _log_upper(a: float, v: Array) -> Array:
+    """Log of the regularised upper incomplete gamma function, v above a where it is tiny."""
+    value = np.asarray(gammaincc(a, v))
+    out = np.log(np.maximum(value, TINY))
+    tiny = value < TINY
+    large = v[tiny]
+    # DLMF 8.11.2: Gamma(a, v) ~ v^(a - 1) exp(-v) sum_k (a - 1) ... (a - k) / v^k.
+    out[tiny] = (a - 1) * np.log(large) - large - float(gammaln(a)) + np.log(_sum(large, a, -1))
+    return out
+
+
+def _sum(v: Array, a: float, sign: int) -> Array:
+    """Sum of the products of v / (a + k), or of (a - k) / v, k from 1, and 1."""
+    term, total = np.ones(len(v)), np.ones(len(v))
+    for k in range(1, TERMS):
+        term = term * (v / (a + k) if sign > 0 else (a - k) / v)
+        total += term
+    return total

@@ -40,6 +40,8 @@ def families_view(found: FamilyComparison) -> RenderableType:
         "elpd: leave-one-out, r and c of a point together; +- its standard error; d elpd against "
         "the best, with the paired one.",
     ]
+    if any(found.models[i].warnings or not found.models[i].sound for i in rows):
+        notes.append("! marks an evidence that should not be trusted; --json says why.")
     if left:
         notes.append(f"{left} less probable models are not shown (--json has them).")
     parts += [Padding(Text(line), (0, 0, 0, 2)) for line in (*notes, *found.notes)]

@@ -117,6 +117,7 @@ def _model(model: JointModel, chance: float) -> dict[str, Any]:
         "bic": model.bic,
         "log_evidence": model.log_evidence,
         "log_evidence_error": model.log_evidence_error,
+        "evidence_warnings": list(model.warnings),
         "probability": chance,
         "elpd_loo": model.elpd,
         "elpd_loo_se": model.elpd_se,

@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from bayescal.comparison.noise_evidence import NoiseEvidence, in_words
+from bayescal.comparison.noise_evidence import NoiseEvidence, in_words, named
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
 from bayescal.inference.posterior import Posterior
 from bayescal.inference.robust_linear import RobustLinearModel
+from bayescal.models.noise.model import NoiseModel
 from bayescal.models.noise.outlier_mixture import OutlierMixture
 from bayescal.models.noise.student_t import RATE, SHAPE, StudentT
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
@@ -22,24 +23,35 @@ from bayescal.rounding import significant
 MARK = "?"
 # A point is shown as bad above this probability, and so many of them.
 BAD, SHOWN = 0.5, 4
+NU_PRIOR = f"~ Gamma(shape {SHAPE:g}, rate {RATE:g})"
 
 
 def noise_kind(axis: AxisComparison) -> str:
     """Say what the noise is about its level, its priors, and where its level comes from."""
-    noise = axis.noise_model
+    words, level = _shape_words(axis.noise_model, axis), axis.noise_source
+    own = "its scale " if isinstance(axis.noise_model, StudentT) else ""
+    return f"{words}{';' if axis.noise_model.parameters or own else ','} {own}sigma {level}"
+
+
+def other_noise_lines(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> list[str]:
+    """Say under which priors the other noise models were judged."""
+    words = "; ".join(_shape_words(named(found.name, axis.data), axis) for found in noises)
+    return [f"Other noise: {words}. Coefficients and sigma have the priors above."]
+
+
+def _shape_words(noise: NoiseModel, axis: AxisComparison) -> str:
     unit = "units of y" if axis.data.axis == "y" else "px"
     if isinstance(noise, StudentT):
-        nu = f"nu = {noise.nu:g}" if noise.nu is not None else f"nu ~ Gamma({SHAPE:g}, {RATE:g})"
-        return f"Student-t, {nu}; its scale sigma {axis.noise_source}"
+        return f"Student-t, nu {NU_PRIOR if noise.nu is None else f'= {noise.nu:g}'}"
     if isinstance(noise, OutlierMixture):
         lower, upper = noise.width_bounds
         offset = "of an offset ~ N(0, width²)" if noise.infers_offset else "without offset"
         return (
             f"mixture of good points and bad ones, whose fraction is uniform from 0 to "
             f"{noise.largest_fraction:g} and which are wider by a width, log-uniform from "
-            f"{lower:.4g} to {upper:.4g} {unit}, {offset}; sigma {axis.noise_source}"
+            f"{lower:.4g} to {upper:.4g} {unit}, {offset}"
         )
-    return f"Gaussian, sigma {axis.noise_source}"
+    return "Gaussian"
 
 
 def robust_orders_table(axis: AxisComparison) -> Table:
@@ -225,7 +237,7 @@ def noises_table(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> Tab
         (
             Cell(f"{in_words(axis.noise_model.name)}, as compared"),
             Cell(f"{own:.2f}{MARK * bool(chosen.evidence_warnings)}", own),
-            Cell(""),
+            Cell("") if isinstance(chosen.posterior, Posterior) else _error(chosen),
             Cell(""),
         )
     ]

@@ -117,7 +117,7 @@ def _row(point: PointRecord, winner: int) -> tuple[Cell, ...]:
         Cell(_span(point.rejected_at), len(point.rejected_at)),
         Cell(percent(point.bad_probability), point.bad_probability),
         Cell(f"{point.weight:.2f}", point.weight),
-        Cell(f"{point.log_bayes_factor_without:+.1f}{changed}", point.log_bayes_factor_without),
+        number_cell(point.log_bayes_factor_without, lambda v: f"{v:+.1f}{changed}"),
     )
 
 
@@ -134,7 +134,8 @@ def footnotes(axis: AxisOutliers, significance: float, *, everything: bool) -> l
     rest = [v for k, v in values.items() if k != winner.order]
     lines = [
         f"P(bad): outlier mixture; weight t: Student-t noise; rejected: chi-squared test, "
-        f"{100 * significance:g} % for all points together."
+        f"{100 * significance:g} % for all points together. ± below: of the model's prediction, "
+        "without the noise of a reading."
     ]
     if rest:
         lines[0] += (

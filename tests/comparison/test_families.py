@@ -45,6 +45,20 @@ def test_verdict_sums_families_and_positions():
     assert "free camera position has >99.9%" in verdict.text
 
 
+def test_an_evidence_from_poor_weights_is_not_sound():
+    """Though nothing was sampled, and so no chain can have failed."""
+    poor = replace(joint("separable", (4, 1), "free", -1.0), doubts=("too few draws",))
+    assert not poor.sound
+    assert poor.warnings == ("too few draws",)
+    assert joint("separable", (4, 1), "free", -1.0).sound
+
+
+def test_a_default_prior_of_the_position_is_said_to_matter(thesis_families):
+    """Only where it decides anything: with both treatments compared, and none stated."""
+    caveats = thesis_families.verdict.caveats
+    assert any("position depends on its prior's sd" in c and "2.1 nat" in c for c in caveats)
+
+
 def test_weak_combinations_of_a_known_matrix():
     """Two of three move as one (correlation 0.99); without correlations nothing is said."""
     matrix = np.array([[1, -0.99, 0], [-0.99, 1, 0], [0, 0, 1.0]])
@@ -138,7 +152,7 @@ def test_refusals(options, match):
 
 
 def test_the_hint_is_given_where_it_is_due():
-    """A turned camera: very strongly. Points that a separable camera made, and the thesis's: not."""
+    """A turned camera: very strongly. A separable camera, and the thesis data: not."""
     turned = turned_points(0.06)
     found = bc.compare(turned, [1, 2], ess=100)
     assert "free camera position" in found.hint

@@ -140,3 +140,12 @@ def test_what_is_printed_fits_100_columns_and_names_the_bad_points(study):
 def test_a_flat_prior_is_refused():
     with pytest.raises(bc.InputError, match="flat prior"):
         outliers(bc.thesis(), prior="flat")
+
+
+def test_one_order_alone_has_no_rival():
+    """Nothing is infinite: the document is JSON, and the table leaves the column empty."""
+    alone = outliers(bc.thesis(), [1], axis="c")
+    assert {p.log_bayes_factor_without for p in alone.axes["c"].points} == {None}
+    document = json.loads(json.dumps(outliers_document(alone, "x"), allow_nan=False))
+    jsonschema.validate(document, outliers_schema())
+    assert "+inf" not in render(outliers_view(alone), terminal=False)

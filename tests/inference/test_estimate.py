@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, norm
 
-from bayescal.inference.estimate import bridge_sampling, estimate_evidence
+from bayescal.inference.estimate import bridge_sampling, estimate_evidence, from_weights
 
 LOG_Z = -7.25
 N = 4000
@@ -91,3 +91,15 @@ def test_no_draw_inside_the_support():
     estimate = estimate_evidence(np.full(10, -np.inf), np.zeros(10), 10)
     assert estimate.log_evidence == -np.inf
     assert not estimate.certain
+
+
+def test_weights_without_a_bridge_are_judged_all_the_same():
+    """A proposal beside the posterior warns; one that fits does not, and has the same evidence."""
+    rng = np.random.default_rng(0)
+    beside = from_weights(log_weights(rng, norm(4, 1), norm(0, 1.2), 600)[0])
+    assert not beside.certain
+    both = log_weights(rng, norm(0.5, 1), norm(0, 1.5), 600)
+    found = from_weights(both[0])
+    assert found.certain
+    assert found.log_evidence == estimate_evidence(*both, 600).log_evidence
+    assert from_weights(np.full(600, -np.inf)).warnings

@@ -62,3 +62,25 @@ def test_draws_of_tau_follow_its_conditional(q, size):
 def test_amplitudes_beyond_every_image_leave_tau_at_its_upper_bound():
     drawn = Strength(BOUNDS, 3).draw(np.array([1e6, 1e12]), np.random.default_rng(1))
     assert drawn == pytest.approx(BOUNDS[1], abs=1e-5)
+
+
+# sigma of many residuals is a strength too; noiseless pixels leave it at its lower bound.
+SIGMA = (math.log(0.01), math.log(1000))
+
+
+@pytest.mark.parametrize("size", [57, 300, 2000])
+@pytest.mark.parametrize("rms", [1e-13, 1e-6, 1e-3, 0.3, 990.0, 5e3])
+def test_many_residuals_far_below_or_above_the_bounds_of_sigma(size, rms):
+    """Truth: Simpson's rule over ln sigma, fine at the end that holds everything."""
+    q = size * rms**2
+    end, other = SIGMA if rms < 1 else SIGMA[::-1]
+    grid = np.sort(end + (other - end) * np.linspace(0, 1, 200_001) ** 2)
+    log_density = -size * grid - q / 2 * np.exp(-2 * grid)
+    top = log_density.max()
+    below = integrate.cumulative_simpson(np.exp(log_density - top), x=grid, initial=0)
+    strength = Strength(SIGMA, size)
+    expected = top + math.log(below[-1] / (SIGMA[1] - SIGMA[0])) - size / 2 * math.log(2 * math.pi)
+    assert strength.log_density(np.array([q]))[0] == pytest.approx(expected, rel=1e-9)
+    drawn = strength.draw(np.full(2000, q), np.random.default_rng(1))
+    at = np.interp(drawn, grid, below / below[-1])
+    assert stats.kstest(at, "uniform").pvalue > 1e-4

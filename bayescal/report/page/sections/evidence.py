@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bayescal.report.defence import tau_table
-from bayescal.report.noise import noises_table
+from bayescal.report.noise import noises_table, other_noise_lines
 from bayescal.report.page.blocks import Block, Section, Tabled
 from bayescal.report.page.subject import PageSubject
 
@@ -28,7 +28,8 @@ def section(subject: PageSubject) -> Section | None:
         if defence.noises:
             caption = f"Evidence of the recommended order of {name} under each noise model."
             table = noises_table(axis, defence.noises)
-            blocks.append(Tabled(f"noises-{name}", caption, table))
+            lines = tuple(other_noise_lines(axis, defence.noises))
+            blocks.append(Tabled(f"noises-{name}", caption, table, lines))
         parts[name] = tuple(blocks)
     if not any(parts.values()):
         return None
