@@ -35,8 +35,9 @@ SIGMA, TAU = 1.0, 0.02
 # A gross error is uniform between minus and plus this, px: not what the mixture assumes.
 GROSS = 100.0
 # The evidence of a model comes from so many rounds of so many draws; where its error is above
-# LARGEST_ERROR, from the program's own adaptation and so many draws.
-ROUNDS, DRAWS, CAREFUL = 5, 600, 6000
+# LARGEST_ERROR, from the program's own adaptation and so many draws, if the model is within
+# MATTERS of the best one, nat.
+ROUNDS, DRAWS, CAREFUL, MATTERS = 5, 600, 6000, 6.0
 LARGEST_ERROR = 0.1
 
 
@@ -56,7 +57,7 @@ class Outcome:
     good : int
         Good points.
     error : float
-        Largest Monte Carlo error of a log evidence, nat.
+        Largest Monte Carlo error of a log evidence that matters, nat.
     """
 
     order: int
@@ -127,6 +128,13 @@ def judge(
     for k in ORDERS:
         model = RobustLinearModel.of_order(data, k, level, rule.of_order(k), OutlierMixture())
         found.append((model, *quick_evidence(model, rng)))
+    top = max(z for _, z, *_ in found)
+    found = [
+        (model, *careful_evidence(model, rng))
+        if z > top - MATTERS and error > LARGEST_ERROR
+        else (model, z, error, theta, weights)
+        for model, z, error, theta, weights in found
+    ]
     best = int(np.argmax([z for _, z, *_ in found]))
     model, _, _, theta, weights = found[best]
     flagged = weights @ model.bad_probability(theta) > 0.5
@@ -139,7 +147,7 @@ def judge(
         int((~flagged & large).sum()),
         int((flagged & ~gross).sum()),
         int((~gross).sum()),
-        max(error for _, _, error, *_ in found),
+        max(error for _, z, error, *_ in found if z > found[best][1] - MATTERS),
     )
 
 
@@ -152,11 +160,15 @@ def quick_evidence(
     the mixture of all rounds' proposals.
     """
     starts = model.starts()
-    modes = find_modes(model.log_prob, starts[len(starts) // 2 :][:2])
-    found = _by_rounds(model, modes, rng)
-    if found[1] <= LARGEST_ERROR:
-        return found
-    proposal = adapt(model.log_prob, find_modes(model.log_prob, starts), rng).proposal
+    return _by_rounds(model, find_modes(model.log_prob, starts[len(starts) // 2 :][:2]), rng)
+
+
+def careful_evidence(
+    model: RobustLinearModel, rng: np.random.Generator
+) -> tuple[float, float, Array, Array]:
+    """Log evidence, its error, and weighted draws, by the program's own adaptation."""
+    modes = find_modes(model.log_prob, model.starts())
+    proposal = adapt(model.log_prob, modes, rng).proposal
     theta = proposal.draw(rng, CAREFUL)
     return _weighed(theta, model.log_prob(theta) - proposal.log_density(theta))
 

@@ -23,6 +23,7 @@ from bayescal.inference.t_mixture import TMixture, cholesky
 ROUNDS = 12
 DRAWS = 2000  # of each round
 COMPONENTS = 6
+MORE = 3  # components added when the proposal is refined
 DOF, BROAD_DOF = 8.0, 3.0  # while adapting; the final tails are chosen
 TAILS = (4.0, 8.0, 16.0, 32.0)
 INFLATED = 1.5  # first guess over the Laplace approximation, in deviations
@@ -86,6 +87,38 @@ def adapt(log_density: LogDensity, modes: tuple[Mode, ...], rng: np.random.Gener
         before = max(before, fraction) if cold else 0.0
         volume = float(np.linalg.slogdet(covariance)[1]) / 2
     return Adapted(_best_tails(mixture, everything, weights, log_w + log_q), mean, covariance)
+
+
+def refine(adapted: Adapted, theta: Array, log_density: Array) -> Adapted:
+    """Fit the proposal once more, to draws of the posterior itself.
+
+    Draws of a chain go where the proposal was too thin; new components start there. Bridge
+    sampling's proposals are made so too (Gronau et al. 2017, J. Math. Psychol. 81, 80).
+
+    Parameters
+    ----------
+    adapted : Adapted
+    theta : Array
+        Draws of the posterior, ``(n, dimension)``.
+    log_density : Array
+        The density there, ``(n,)``.
+    """
+    old = adapted.proposal
+    weights = np.full(len(theta), 1 / len(theta))
+    mean, covariance = _moments(theta, weights)
+    root = cholesky(covariance)
+    # Spread over the thinnest hundredth of the draws, which lie close together.
+    thin = np.argsort(old.log_density(theta) - log_density, kind="stable")
+    seeds = theta[thin[:: max(1, len(thin) // (100 * MORE))][:MORE]]
+    shares = np.append(0.9 * old.weights[:-1] / old.weights[:-1].sum(), np.full(MORE, 0.1 / MORE))
+    narrow = TMixture(
+        shares,
+        np.concatenate([old.means[:-1], seeds]),
+        np.concatenate([old.roots[:-1], np.repeat(root[None], MORE, axis=0)]),
+        np.full(len(shares), DOF),
+    ).refitted(theta, weights, 3 * STEPS, FLOOR)
+    mixture = _with_broad(narrow, mean, BROAD * root)
+    return Adapted(_best_tails(mixture, theta, weights, log_density), mean, covariance)
 
 
 def _best_tails(mixture: TMixture, theta: Array, weights: Array, log_density: Array) -> TMixture:

@@ -9,7 +9,7 @@ from scipy.special import softmax
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.inference.adaptation import adapt
+from bayescal.inference.adaptation import Adapted, adapt, refine
 from bayescal.inference.coordinates import Whitening
 from bayescal.inference.ensembles import sample_ensembles
 from bayescal.inference.estimate import EvidenceEstimate, estimate_evidence
@@ -20,6 +20,9 @@ from bayescal.inference.sampling import Chain
 from bayescal.inference.t_mixture import cholesky
 
 EVIDENCE_DRAWS = 20_000
+# Where a chain does not converge or its evidence can't be trusted, the proposal is fitted to
+# that chain's draws, and all is done anew.
+ATTEMPTS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,11 +98,29 @@ def sample_model(model: SampledModel, rng: np.random.Generator, ess: int) -> Sam
     InputError
         Where the density is zero at every start of the model.
     """
-    for_proposal, for_evidence, for_chains = rng.spawn(3)
+    for_proposal, *children = rng.spawn(1 + ATTEMPTS)
     modes = find_modes(model.log_prob, model.starts())
     if not modes:
         raise InputError("the likelihood is zero wherever the model could start; check the units")
     adapted = adapt(model.log_prob, modes, for_proposal)
+    for child in children:
+        found = _attempt(model, modes, adapted, child, ess)
+        if found.converged and found.estimate.certain:
+            break
+        theta = found.chain.theta.reshape(-1, model.dimension)
+        adapted = refine(adapted, theta, found.chain.log_prob.ravel())
+    return found
+
+
+def _attempt(
+    model: SampledModel,
+    modes: tuple[Mode, ...],
+    adapted: Adapted,
+    rng: np.random.Generator,
+    ess: int,
+) -> SampledPosterior:
+    """Sample with one proposal, and estimate the evidence with it."""
+    for_evidence, for_chains = rng.spawn(2)
     proposal = adapted.proposal
 
     def finish(theta: Array, child: np.random.Generator) -> tuple[Array, Array]:
