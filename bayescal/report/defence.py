@@ -165,7 +165,7 @@ def tau_table(axis: AxisComparison, found: TauSensitivity) -> Table:
         Column(f"{significant(100 * tau)}%", "", f"{significant(100 * tau)} %") for tau in SHOWN_TAU
     ]
     rows = [[number_cell(float(row[i]), _compact) for i in at] for row in found.log_evidence]
-    head = Column("ln Z at fixed tau", "tau is a fraction of the image", "order; tau:")
+    head = Column("ln Z at fixed tau", "log evidence at these tau, fractions of the image", "order, at tau")
     return order_table(found.orders, columns, rows, axis.verdict.order, head=head)
 
 
