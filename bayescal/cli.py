@@ -76,10 +76,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(given: list[str]) -> int:
-    options = _parser().parse_args(given)
+    parser = _parser()
+    options, rest = parser.parse_known_args(given)
+    # Before Python 3.13 an optional POINTS that stands apart from KIND is left over.
+    if len(rest) == 1 and getattr(options, "points", "") is None and not _option(rest[0]):
+        options.points = rest.pop()
+    if rest:
+        parser.error(f"unrecognized arguments: {' '.join(rest)}")
     options.command_line = shlex.join(["bayescal", *given])
     run: Callable[[argparse.Namespace], int] = options.run
     return run(options)
+
+
+def _option(word: str) -> bool:
+    return word.startswith("-") and word != "-"
 
 
 def _prepare_streams() -> None:

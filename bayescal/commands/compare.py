@@ -14,16 +14,8 @@ DESCRIPTION = "Compare polynomial orders of r(x/z) and c(y/z), each sampled with
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "--orders",
-        type=shared.orders,
-        default="1-5",
-        metavar="K-L",
-        help="such as 1-5 or 1,3,5 (1-5)",
-    )
-    parser.add_argument(
-        "--axis", choices=("r", "c", "both"), default="both", help="which pixel axis (both)"
-    )
+    shared.add_orders(parser)
+    shared.add_axis(parser)
     parser.add_argument(
         "--defend",
         action="store_true",
@@ -57,12 +49,10 @@ def run(options: argparse.Namespace) -> int:
 
     check_output(options)
     points = shared.points(options)
-    models = len(options.orders) * (2 if options.axis == "both" else 1)
+    models = len(shared.orders_of(options)) * shared.axes_of(options)
     with shared.Progress(options, models) as progress:
         result = compare(
             points,
-            options.orders,
-            axis=options.axis,
             defend=options.defend,
             hint=not options.no_families,
             progress=progress,

@@ -11,6 +11,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bayescal.points.correspondences import Correspondences
 
+CAMERA = ("setup", "camera_position", "image_width", "image_height", "c_from_bottom")
+COMPARED = ("orders", "axis")
+MODEL = ("sigma", "prior", "tau", "noise", "nu", "bad_offset", "seed", "ess")
+
 
 def add_points(parser: argparse.ArgumentParser) -> None:
     """Add the points file and what is known of the camera."""
@@ -39,8 +43,27 @@ def add_points(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_orders(parser: argparse.ArgumentParser) -> None:
+    """Add the orders to compare."""
+    parser.add_argument(
+        "--orders",
+        type=orders,
+        metavar="K-L",
+        help="orders to compare, such as 1-5 or 1,3,5 (1-5)",
+    )
+
+
+def add_axis(parser: argparse.ArgumentParser) -> None:
+    """Add the axis to compare, or both."""
+    parser.add_argument("--axis", choices=("r", "c", "both"), help="which pixel axis (both)")
+
+
 def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> None:
-    """Add noise, prior, seed and sampling effort; the latter where `one_noise` is compared."""
+    """Add noise, prior, seed and sampling effort; the latter where `one_noise` is compared.
+
+    None of them has a default here: what is not given is left to the public functions, and
+    what is given can be told apart.
+    """
     model = parser.add_argument_group("model")
     model.add_argument(
         "--sigma",
@@ -62,11 +85,9 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
     )
     _add_noise(parser, choose=one_noise)
     run = parser.add_argument_group("run")
-    run.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
+    run.add_argument("--seed", type=int, metavar="N", help="of all randomness (0)")
     if one_noise:
-        run.add_argument(
-            "--ess", type=int, default=4000, metavar="N", help="effective samples wanted (4000)"
-        )
+        run.add_argument("--ess", type=int, metavar="N", help="effective samples wanted (4000)")
 
 
 def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
@@ -76,7 +97,6 @@ def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
         noise.add_argument(
             "--noise",
             choices=("gaussian", "student-t", "outlier-mixture"),
-            default="gaussian",
             help="shape of the noise: gaussian; student-t has heavy tails; outlier-mixture has "
             "good and bad points (gaussian; the others take longer)",
         )
@@ -86,6 +106,7 @@ def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
     noise.add_argument(
         "--bad-offset",
         action="store_true",
+        default=None,
         help="let the bad points of outlier-mixture be off to one side (spread about the good)",
     )
 
@@ -178,13 +199,19 @@ def points(options: argparse.Namespace) -> Correspondences:
     return dataclasses.replace(found, setup=base)
 
 
-def is_run(options: argparse.Namespace) -> bool:
+def is_run(options: argparse.Namespace, settled: tuple[str, ...]) -> bool:
     """Whether POINTS names a run (a folder with a result document) rather than points.
+
+    Parameters
+    ----------
+    options : argparse.Namespace
+    settled : tuple of str
+        Options that belong to points, and that a run has settled.
 
     Raises
     ------
     InputError
-        Where it is a folder, but no run, or options are given that a run has settled.
+        Where it is a folder, but no run, or an option is given that a run has settled.
     """
     if options.points in (None, "-"):
         return False
@@ -205,13 +232,31 @@ def is_run(options: argparse.Namespace) -> bool:
             f"{folder}: is a folder, but not a run: it holds no {RESULT}; name a points file or a "
             "folder that compare --out wrote"
         )
+    for name in settled:
+        if getattr(options, name) is not None:
+            raise InputError(
+                f"{folder}: is a run, which has its own --{name.replace('_', '-')}; leave the "
+                "option out, or name points in place of the run"
+            )
     return True
 
 
 def settings(options: argparse.Namespace) -> dict[str, Any]:
-    """Collect the keyword arguments of an analysis."""
-    names = ("sigma", "prior", "tau", "seed", "ess", "noise", "nu", "bad_offset")
-    return {name: getattr(options, name) for name in names}
+    """Collect the keyword arguments of an analysis that are given."""
+    found = {name: getattr(options, name, None) for name in (*COMPARED, *MODEL)}
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def orders_of(options: argparse.Namespace) -> list[int]:
+    """Orders to compare, given or not."""
+    from bayescal.settings import DEFAULT_ORDERS
+
+    return list(DEFAULT_ORDERS) if options.orders is None else options.orders
+
+
+def axes_of(options: argparse.Namespace) -> int:
+    """How many axes are compared."""
+    return 1 if options.axis in ("r", "c") else 2
 
 
 class Progress:

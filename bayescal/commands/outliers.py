@@ -17,16 +17,8 @@ DESCRIPTION = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "--orders",
-        type=shared.orders,
-        default="1-5",
-        metavar="K-L",
-        help="such as 1-5 or 1,3,5 (1-5)",
-    )
-    parser.add_argument(
-        "--axis", choices=("r", "c", "both"), default="both", help="which pixel axis (both)"
-    )
+    shared.add_orders(parser)
+    shared.add_axis(parser)
     parser.add_argument("--all", action="store_true", help="show every point, not the worst alone")
     parser.add_argument(
         "--significance",
@@ -46,20 +38,13 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.outlier_analysis import outliers
 
     points = shared.points(options)
-    models = 2 * (2 if options.axis == "both" else 1)
+    models = 2 * shared.axes_of(options)
     with shared.Progress(options, models) as progress:
         study = outliers(
             points,
-            options.orders,
-            axis=options.axis,
-            sigma=options.sigma,
-            prior=options.prior,
-            tau=options.tau,
-            nu=options.nu,
-            bad_offset=options.bad_offset,
             significance=options.significance,
-            seed=options.seed,
             progress=progress.named,
+            **shared.settings(options),
         )
     from bayescal.report.facts import dumps
     from bayescal.report.outliers import outliers_document, outliers_view

@@ -42,12 +42,44 @@ def add_output(
         )
 
 
+def check_file(options: argparse.Namespace, path: Path) -> None:
+    """Refuse, before any work is done, a file that can't be written, or that is read.
+
+    Raises
+    ------
+    OutputError
+        Where it can't be written.
+    InputError
+        Where the command reads it, or it is part of the run that is read: even --force
+        must not cost anybody their data.
+    """
+    from bayescal.files import check_free
+
+    check_free(path, force=options.force)
+    place = path.resolve()
+    for name in ("points", "setup", "like"):
+        given = getattr(options, name, None)
+        if given in (None, "", "-"):
+            continue
+        read = Path(given).resolve()
+        if place == read or (path.exists() and read in place.parents and _of_run(place, read)):
+            raise InputError(f"{path}: would replace what is read; choose another name")
+
+
+def _of_run(place: Path, folder: Path) -> bool:
+    """Whether a path within a folder belongs to a run there."""
+    from fnmatch import fnmatch
+
+    from bayescal.report.run import RUN
+
+    name = place.relative_to(folder).parts[0]
+    return any(fnmatch(name, pattern) for pattern in (RUN.marker, *RUN.contents))
+
+
 def check_json(options: argparse.Namespace) -> None:
     """Refuse a document that can't be written before anything is computed."""
     if options.json not in (None, "-"):
-        from bayescal.files import check_free
-
-        check_free(Path(options.json), force=options.force)
+        check_file(options, Path(options.json))
 
 
 def check_output(options: argparse.Namespace) -> None:

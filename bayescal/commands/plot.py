@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import DONE, exit_code
+from bayescal.commands.output import DONE, check_file, exit_code
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import KINDS, FigureKind
 
@@ -21,6 +21,8 @@ DESCRIPTION = (
     "--out wrote. What the figure needs, such as the defence, is computed."
 )
 SUFFIXES = (".png", ".svg", ".pdf")
+# --axis chooses among what a run holds.
+SETTLED = ("orders", *shared.CAMERA, *shared.MODEL)
 
 
 class _ListKinds(argparse.Action):
@@ -55,13 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--axis", choices=("r", "c"), help="which pixel axis")
     parser.add_argument("--order", type=int, metavar="K", help="which order (the recommended one)")
-    parser.add_argument(
-        "--orders",
-        type=shared.orders,
-        default="1-5",
-        metavar="K-L",
-        help="orders to compare, such as 1-5 or 1,3,5 (1-5)",
-    )
+    shared.add_orders(parser)
     shared.add_points(parser)
     shared.add_model(parser)
     output = parser.add_argument_group("output")
@@ -79,14 +75,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compare or reopen, draw, write; return the exit code."""
-    from bayescal.files import check_free, write_whole
+    from bayescal.files import write_whole
 
     kind, path = KINDS[options.kind], Path(options.out)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{path}: a figure is written as {', '.join(SUFFIXES)}; name it so")
-    check_free(path, force=options.force)
-    reopened = shared.is_run(options)
+    check_file(options, path)
+    reopened = shared.is_run(options, SETTLED)
     if not reopened:
         _check(kind, options)
     result = _reopened(kind, options) if reopened else _compared(kind, options)
@@ -110,7 +106,7 @@ def _check(kind: FigureKind, options: argparse.Namespace) -> None:
         raise InputError(f"{kind.name} shows every order; leave out --order")
     if options.axis is None and (kind.one_axis or options.order is not None):
         raise InputError(f"{kind.name} needs an axis here; add --axis r or --axis c")
-    if options.order is not None and options.order not in options.orders:
+    if options.order is not None and options.order not in shared.orders_of(options):
         raise InputError(f"order {options.order} is not among --orders; name it there too")
 
 
@@ -118,12 +114,10 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
     from bayescal.api import compare
 
     points = shared.points(options)
-    models = len(options.orders) * (2 if options.axis is None else 1)
+    models = len(shared.orders_of(options)) * shared.axes_of(options)
     with shared.Progress(options, models) as progress:
         return compare(
             points,
-            options.orders,
-            axis=options.axis or "both",
             defend=kind.needs_defence,
             progress=progress,
             **shared.settings(options),

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import exit_code
+from bayescal.commands.output import check_file, exit_code
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,20 +18,13 @@ DESCRIPTION = (
     "Write a comparison with its defence as one self-contained HTML page, made now from POINTS or "
     "reopened from a RUN that compare --out wrote."
 )
+SETTLED = (*shared.COMPARED, *shared.CAMERA, *shared.MODEL)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "--orders",
-        type=shared.orders,
-        default="1-5",
-        metavar="K-L",
-        help="orders to compare, such as 1-5 or 1,3,5 (1-5)",
-    )
-    parser.add_argument(
-        "--axis", choices=("r", "c", "both"), default="both", help="which pixel axis (both)"
-    )
+    shared.add_orders(parser)
+    shared.add_axis(parser)
     shared.add_points(parser)
     shared.add_model(parser)
     output = parser.add_argument_group("output")
@@ -50,18 +43,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compare or reopen, write the page; return the exit code."""
-    from bayescal.files import check_free, write_whole
+    from bayescal.files import write_whole
     from bayescal.report.page.pdf import find_browser, print_pdf
 
     out = Path(options.out)
-    check_free(out, force=options.force)
+    check_file(options, out)
     browser = None
     if options.pdf is not None:
-        if Path(options.pdf).absolute() == out.absolute():
+        if Path(options.pdf).resolve() == out.resolve():
             raise InputError(f"{options.pdf}: is named by --out too; give the PDF another name")
-        check_free(Path(options.pdf), force=options.force)
+        check_file(options, Path(options.pdf))
         browser = find_browser()
-    result = _reopened(options) if shared.is_run(options) else _compared(options)
+    result = _reopened(options) if shared.is_run(options, SETTLED) else _compared(options)
     from bayescal.report.page.page import html, page_of
 
     page = page_of(result, options.command_line)
@@ -82,12 +75,10 @@ def _compared(options: argparse.Namespace) -> Comparison:
     from bayescal.api import compare
 
     points = shared.points(options)
-    models = len(options.orders) * (2 if options.axis == "both" else 1)
+    models = len(shared.orders_of(options)) * shared.axes_of(options)
     with shared.Progress(options, models) as progress:
         return compare(
             points,
-            options.orders,
-            axis=options.axis,
             defend=True,
             progress=progress,
             **shared.settings(options),

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bayescal.commands.output import DONE
+from bayescal.commands.output import DONE, check_file
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
@@ -82,10 +82,10 @@ def run(options: argparse.Namespace) -> int:
     orders = _orders(options, coefficients)
     if options.seed < 0:
         raise InputError(f"seed must not be negative, but is {options.seed}")
-    from bayescal.files import check_free, write_whole
+    from bayescal.files import write_whole
 
     if options.out is not None:
-        check_free(Path(options.out), force=options.force)
+        check_file(options, Path(options.out))
     import numpy as np
 
     from bayescal.points.setup import load_setup

@@ -8,12 +8,15 @@ from collections.abc import Iterable
 from rich import box
 from rich.console import Console, Group, RenderableType
 from rich.padding import Padding
+from rich.segment import Segment, Segments
 from rich.table import Table as RichTable
 from rich.text import Text
 
 from bayescal.report.grid import Table
 
 WIDTH = 100
+# Ends of lines, and the joiner within emoji.
+KEPT = "\n\u200d"
 
 
 def render(view: RenderableType, *, terminal: bool) -> str:
@@ -32,9 +35,15 @@ def render(view: RenderableType, *, terminal: bool) -> str:
         file=io.StringIO(),
         legacy_windows=False,
     )
+    shown = [Segment(_harmless(s.text), s.style, s.control) for s in console.render(view)]
     with console.capture() as captured:
-        console.print(view)
+        console.print(Segments(shown))
     return "\n".join(line.rstrip() for line in captured.get().splitlines()) + "\n"
+
+
+def _harmless(text: str) -> str:
+    """Replace what could command a terminal or turn its lines around: labels are anybody's."""
+    return "".join(c if c.isprintable() or c in KEPT else "?" for c in text)
 
 
 def laid_out(table: Table) -> RenderableType:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,15 +27,12 @@ from bayescal.models import separable
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
 from bayescal.points.text import reason
+from bayescal.report.agreement import disagreement
 from bayescal.report.document import SCHEMA, document, versions
 from bayescal.report.noise import noises_from
 from bayescal.report.run import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
+from bayescal.report.shape import misshapen
 from bayescal.settings import Settings
-
-# The closed form is good to this many nats, on any machine (docs/method.md).
-NATS = 1e-6
-# Beyond that, rounding of sums over many points, as a share of the number.
-ROUNDING = 1e-10
 
 
 def open_run(folder: str | Path, *, defend: bool | None = None) -> Comparison:
@@ -66,7 +62,7 @@ def open_run(folder: str | Path, *, defend: bool | None = None) -> Comparison:
     if defend is not None:
         settings = dataclasses.replace(settings, defend=defend)
     comparison = analyse_points(run.points(), run.orders, settings, None, run)
-    wrong = _disagreement(run.document, document(comparison, ""))
+    wrong = disagreement(run.document, document(comparison, ""))
     if wrong is not None:
         raise InputError(f"{run.folder}: {wrong}: {run.between()}; {run.again}")
     # With other answers than the run's it is no longer what the run holds.
@@ -118,6 +114,12 @@ class _Run:
                 f"{writer}, or {self.again}"
             )
         self.content(RESULT)
+        lacks = misshapen(self.document)
+        if lacks is not None:
+            raise InputError(
+                f"{self.folder / RESULT}: is damaged: {lacks} is missing or not what belongs "
+                f"there; {self.again}"
+            )
 
     @property
     def again(self) -> str:
@@ -162,7 +164,12 @@ class _Run:
                 f"{self.folder}: was made with the setting {strange[0]!r}, which bayescal "
                 f"{bayescal.__version__} does not have ({self.between()}); upgrade bayescal"
             )
-        return Settings(**stated)
+        try:
+            return Settings(**stated)
+        except InputError as error:
+            raise InputError(
+                f"{self.folder / RESULT}: {error} ({self.between()}); {self.again}"
+            ) from None
 
     @property
     def orders(self) -> dict[str, tuple[int, ...]]:
@@ -182,7 +189,11 @@ class _Run:
             self.content(name)
         read = load(self.folder / POINTS, self.folder / SETUP)
         lines, data = self.manifest.get("lines"), self.document["data"]
-        if lines is not None and (not isinstance(lines, list) or len(lines) != len(read)):
+        if lines is not None and not (
+            isinstance(lines, list)
+            and len(lines) == len(read)
+            and all(isinstance(line, int) for line in lines)
+        ):
             raise InputError(f"{self.folder / MANIFEST}: is damaged: lines; {self.again}")
         return dataclasses.replace(
             read,
@@ -264,34 +275,3 @@ def _json(path: Path) -> dict[str, Any]:
     if not isinstance(found, dict):
         raise InputError(f"{path}: is not a JSON object; make the run again")
     return found
-
-
-def _disagreement(kept: dict[str, Any], made: dict[str, Any]) -> str | None:
-    """Name the first number that the run and the computation just made don't share."""
-    for axis, was in kept["axes"].items():
-        now = made["axes"][axis]
-        for old, new in zip(was["orders"], now["orders"], strict=True):
-            place = f"{axis}, order {old['order']}"
-            for key, words in (
-                ("log_evidence", "log evidence"),
-                ("log_likelihood_max", "maximum of the log likelihood"),
-                ("probability", "probability"),
-            ):
-                if not _alike(old[key], new[key]):
-                    return f"the {words} of {place} is {old[key]} in the run but {new[key]} now"
-            for one, other in zip(old["coefficients"], new["coefficients"], strict=True):
-                if abs(one["mean"] - other["mean"]) > NATS * one["sd"]:
-                    return (
-                        f"the mean of {one['name']} of {place} is {one['mean']} in the run but "
-                        f"{other['mean']} from its draws"
-                    )
-        best, again = was["verdict"]["order"], now["verdict"]["order"]
-        if best != again:
-            return f"the order recommended for {axis} is {best} in the run but {again} now"
-    return None
-
-
-def _alike(one: float | None, other: float | None) -> bool:
-    if one is None or other is None:
-        return one is other
-    return math.isclose(one, other, rel_tol=ROUNDING, abs_tol=NATS)

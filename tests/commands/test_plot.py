@@ -128,3 +128,18 @@ def test_no_warning_in_a_process_of_its_own(run, tmp_path):
     done = apart("plot", "curve", run, "--axis", "r", "--out", "f.pdf", folder=tmp_path)
     assert (done.returncode, done.stderr) == (0, b"")
     assert (tmp_path / "f.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_points_may_stand_behind_options(run, tmp_path):
+    path = tmp_path / "figure.svg"
+    done = here("plot", "residuals", "--axis", "r", run, "--out", path)
+    assert (done.code, done.err) == (0, "")
+    assert path.read_bytes() == _drawn(run, tmp_path / "again.svg")
+    both = here("plot", "residuals", run, "--axis", "r", run, "--out", tmp_path / "no.svg")
+    assert both.code == 2
+    assert "unrecognized arguments" in both.err
+
+
+def _drawn(run, path):
+    assert here("plot", "residuals", run, "--axis", "r", "--out", path).code == 0
+    return path.read_bytes()

@@ -178,7 +178,7 @@ def edit(path: Path, *changes: tuple[str, Any]) -> None:
         node = found
         for step in way:
             node = node[int(step) if step.isdigit() else step]
-        node[last] = value
+        node[int(last) if last.isdigit() else last] = value
     path.write_text(json.dumps(found), encoding="utf-8")
 
 
@@ -232,6 +232,10 @@ SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "damaged manifest": (lambda f: (f / "run.json").write_text("{}"), r"run\.json: is damaged"),
     "damaged lines": (lambda f: edit(f / "run.json", ("lines", 5)), r"run\.json: is damaged: li"),
+    "damaged line": (
+        lambda f: edit(f / "run.json", ("lines.3", "x")),
+        r"run\.json: is damaged: li",
+    ),
     "newer format": (
         lambda f: edit(f / "run.json", ("format", 2), ("bayescal", "9.0")),
         r"format 2, written by bayescal 9\.0; bayescal \S+ reads format 1; install bayescal 9\.0",
@@ -260,8 +264,8 @@ SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "another family": (result(("family", "fisheye")), r"is of the family 'fisheye', which"),
     "a setting to come": (
-        result(("settings.noise", "cauchy")),
-        r"was made with the setting 'noise', which bayescal \S+ does not have .*; upgrade",
+        result(("settings.colour", "blue")),
+        r"was made with the setting 'colour', which bayescal \S+ does not have .*; upgrade",
     ),
     "another evidence": (
         result((f"{ORDER}.log_evidence", -1.5), ("provenance.numpy", "1.0")),
@@ -289,6 +293,32 @@ def test_a_run_that_can_not_be_had_is_refused_in_one_line(name: str, copy: Path)
     assert str(caught.value).startswith(str(copy))
 
 
+@pytest.mark.parametrize(
+    ("key", "value", "complaint"),
+    [
+        ("provenance", {}, r"provenance\.command is missing or not what belongs there; make it"),
+        ("settings", [1], r"is damaged: settings is missing"),
+        ("settings.tau", "x", r"is damaged: settings\.tau is missing"),
+        ("settings.noise", "cauchy", r"result\.json: noise must be gaussian.*; make it again"),
+        ("data", {"source": "file"}, r"is damaged: data\.sha256 is"),
+        ("axes", {}, r"is damaged: axes is"),
+        ("axes", {"z": {}}, r"is damaged: axes is"),
+        ("axes.r.orders", [], r"is damaged: axes\.r\.orders is"),
+        ("axes.r.orders.1.order", "2", r"is damaged: axes\.r\.orders\.1\.order is"),
+        ("axes.c.orders.0", {"order": 1}, r"is damaged: axes\.c\.orders\.0\.log_evidence is"),
+        ("axes.c.verdict", None, r"is damaged: axes\.c\.verdict is"),
+    ],
+)
+def test_a_document_of_another_shape_is_refused(
+    copy: Path, key: str, value: object, complaint: str
+) -> None:
+    edit(copy / "result.json", (key, value))
+    forge(copy, "result.json")
+    with pytest.raises(bc.InputError, match=complaint) as caught:
+        bc.open_run(copy)
+    assert str(caught.value).startswith(str(copy / "result.json"))
+
+
 def test_the_same_damage_is_no_business_of_another_run(copy: Path) -> None:
     """Negative control of the above."""
     assert bc.open_run(copy).orders == {"r": 2, "c": 1}
@@ -312,7 +342,7 @@ def test_a_comparison_of_arrays_is_no_run(tmp_path: Path) -> None:
 
 def test_points_and_runs_are_told_apart(run: Path, tmp_path: Path) -> None:
     def asked(place: Path | str | None) -> bool:
-        return is_run(argparse.Namespace(points=None if place is None else str(place)))
+        return is_run(argparse.Namespace(points=None if place is None else str(place)), ())
 
     assert asked(run)
     assert not any(map(asked, (None, "-", run / "points.csv", tmp_path / "none.csv", "n" * 300)))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 from datetime import datetime
@@ -22,6 +24,7 @@ BROWSERS = (
     "microsoft-edge",
 )
 TIMEOUT = 120.0  # seconds
+INSTEAD = "leave out --pdf, open the HTML report in any browser and print it to PDF"
 _DATES = re.compile(rb"/(CreationDate|ModDate) \(D:(\d{14})([+-]\d\d'\d\d')?\)")
 
 
@@ -38,8 +41,7 @@ def find_browser() -> str:
         if found is not None:
             return found
     raise OutputError(
-        "--pdf needs Chromium or Chrome on the PATH, and there is none; install it, or open the "
-        "HTML report in any browser and print it to PDF"
+        f"--pdf needs Chromium or Chrome on the PATH, and there is none; install it, or {INSTEAD}"
     )
 
 
@@ -64,7 +66,7 @@ def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -
     Raises
     ------
     OutputError
-        Where the browser fails or takes too long.
+        Where the browser fails or takes too long; none of its processes is left.
     """
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as temporary:
         folder = Path(temporary)
@@ -84,15 +86,39 @@ def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -
         ]
         if hasattr(os, "geteuid") and os.geteuid() == 0:
             command.insert(1, "--no-sandbox")  # Chromium refuses root its sandbox
-        try:
-            subprocess.run(command, capture_output=True, check=False, timeout=timeout)
-        except subprocess.TimeoutExpired:
-            raise OutputError(f"{browser} took over {timeout:g} s to print the PDF") from None
-        except OSError as error:
-            raise OutputError(f"{browser} can't be run: {error.strerror}") from None
-        if not out.is_file():
-            raise OutputError(f"{browser} printed no PDF; open the HTML report and print it")
-        return _dated(out.read_bytes(), created)
+        _run(command, timeout)
+        made = out.read_bytes() if out.is_file() else b""
+    if not (made.startswith(b"%PDF") and made.rstrip().endswith(b"%%EOF")):
+        raise OutputError(f"{browser} printed no whole PDF; {INSTEAD}")
+    return _dated(made, created)
+
+
+def _run(command: list[str], timeout: float) -> None:
+    """Run a browser to its end, or end it with all the processes it has started."""
+    try:
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise OutputError(f"{command[0]} can't be run: {reason}; {INSTEAD}") from None
+    try:
+        process.wait(timeout)
+    except subprocess.TimeoutExpired:
+        raise OutputError(
+            f"{command[0]} took over {timeout:g} s to print the PDF; {INSTEAD}"
+        ) from None
+    finally:  # a browser that ended by itself may leave helpers behind, too
+        if hasattr(os, "killpg"):
+            with contextlib.suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+        process.wait()
 
 
 def _dated(raw: bytes, created: str) -> bytes:
