@@ -67,20 +67,20 @@ def _across_families(options: argparse.Namespace) -> int:
     from bayescal.commands.families import check_families, deliver_families
     from bayescal.report.families import families_view
 
-    if options.axis != "both" or options.defend:
+    if options.axis in ("r", "c") or options.defend:
         option = "--defend" if options.defend else f"--axis {options.axis}"
         raise InputError(f"compare: families are models of r and c together; drop {option}")
     check_families(options)
     points = shared.points(options)
+    given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     with shared.Progress(options, 2 * len(options.family or ["separable"])) as progress:
         result = compare_families(
             points,
             options.family or ["separable"],
-            options.orders,
             position=options.position,
             radial=options.radial,
             radial_orders=options.radial_orders,
             progress=progress,
-            **shared.settings(options),
+            **given,
         )
     return deliver_families(options, result, families_view)
