@@ -62,7 +62,7 @@ def test_its_document_keeps_the_schema_and_says_what_the_noise_is(defended):
 def test_its_tables_fit_100_columns(defended):
     text = render(comparison_view(defended), terminal=False)
     assert max(map(len, text.splitlines())) <= 100
-    assert "Student-t, nu ~ Gamma(2, 0.1)" in text
+    assert "Student-t, nu ~ Gamma(shape 2, rate 0.1)" in text
     assert "PSIS takes its place" in text
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Iterable
 from pathlib import Path
 
 from bayescal.files import write_whole
+from bayescal.points.camera import CAMERA_KEYS, PINHOLE_KEYS, StatedCamera
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import Setup
 
@@ -51,7 +53,9 @@ def to_toml(setup: Setup) -> str:
     -------
     str
     """
-    lines = ["[camera]", f"position = {_list(setup.position)}", "", "[image]"]
+    lines = ["[camera]", f"position = {_list(setup.position)}"]
+    lines += _stated(setup.camera, CAMERA_KEYS)
+    lines += ["", "[image]"]
     lines += [
         f"{name} = {size!r}"
         for name, size in (("width", setup.width), ("height", setup.height))
@@ -63,7 +67,16 @@ def to_toml(setup: Setup) -> str:
         lines += ["", "[world]", f"sigma = {_list(setup.world_sigma)}"]
     for axis, prior in setup.priors.items():
         lines += ["", f"[prior.{axis}]", f"mean = {_list(prior.mean)}", f"sd = {_list(prior.sd)}"]
+    optics = _stated(setup.camera, PINHOLE_KEYS)
+    if optics:
+        lines += ["", "[prior.pinhole]", *optics]
     return "\n".join(lines) + "\n"
+
+
+def _stated(camera: StatedCamera, keys: Iterable[str]) -> list[str]:
+    """Lines of what is stated of the camera under some keys."""
+    known = [(key, getattr(camera, key)) for key in keys if getattr(camera, key) is not None]
+    return [f"{key} = {_list(v) if isinstance(v, tuple) else repr(v)}" for key, v in known]
 
 
 def _list(values: tuple[float, ...]) -> str:

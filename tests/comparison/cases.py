@@ -20,6 +20,7 @@ from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
 from bayescal.report.document import document, dumps
 from bayescal.report.terminal import comparison_view, render
+from bayescal.settings import Settings
 from tests.problems import legendre_columns, make_axis
 
 WIDTH, HEIGHT = 1920.0, 1080.0
@@ -119,7 +120,7 @@ def result_document(result: Comparison) -> dict:
 def axis_document(axis: AxisComparison) -> dict:
     """One axis of the result document."""
     name = axis.data.axis
-    whole = Comparison({name: axis}, "separable", None, 0, 100, ())
+    whole = Comparison({name: axis}, "separable", None, Settings(ess=100), ())
     return result_document(whole)["axes"][name]
 
 

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 import bayescal as bc
 from bayescal.errors import OutputError
+from bayescal.points.camera import StatedCamera
 from bayescal.points.setup import StatedPrior
 from bayescal.points.writer import to_csv, to_toml
 from tests.points.examples import rows
@@ -70,6 +71,17 @@ PRIORS = st.integers(1, 4).flatmap(
         *(st.lists(v, min_size=size, max_size=size).map(tuple) for v in (PIXELS, SIGMAS)),
     )
 )
+SD = st.floats(1e-6, 100)
+CAMERA = {
+    "position_sd": st.none() | st.tuples(SD, SD, SD),
+    "orientation": st.none() | NUMBERS,
+    "orientation_sd": st.none() | st.tuples(SD, SD, SD),
+    "focal": st.none() | SD,
+    "focal_log_sd": st.none() | st.floats(1e-6, 10),
+    "ratio_log_sd": st.none() | st.floats(1e-6, 10),
+    "centre": st.none() | st.tuples(*[COORDINATES] * 2),
+    "centre_sd": st.none() | st.tuples(SD, SD),
+}
 SETUP = {
     "position": NUMBERS,
     "width": st.none() | st.floats(1, 1e9) | st.integers(1, 10**9),
@@ -80,13 +92,17 @@ SETUP = {
     ),
     "priors": st.dictionaries(st.sampled_from(["r", "c"]), PRIORS),
     "world_sigma": st.none() | st.tuples(*[st.floats(0, 9e99)] * 3),
+    "camera": st.builds(StatedCamera, **CAMERA),
 }
 
 
 @given(setup=st.builds(bc.Setup, **SETUP))
 @settings(deadline=None, max_examples=200)
 def test_a_setup_written_and_read_is_the_same(setup: bc.Setup) -> None:
-    assert set(SETUP) == {field.name for field in dataclasses.fields(bc.Setup)}  # none forgotten
+    for kind, strategies in ((bc.Setup, SETUP), (StatedCamera, CAMERA)):
+        assert set(strategies) == {
+            field.name for field in dataclasses.fields(kind)
+        }  # none forgotten
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "setup.toml"
         path.write_text(to_toml(setup), encoding="utf-8")

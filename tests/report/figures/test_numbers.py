@@ -17,7 +17,7 @@ from bayescal.comparison.verdict import percent
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.least_squares import factorise, solve
 from bayescal.models.basis import legendre_design
-from bayescal.models.noise import NoiseLevel
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.report.figures.autocorrelation import autocorrelation
 from bayescal.report.figures.qq import envelope
 from bayescal.report.figures.registry import KINDS

@@ -33,17 +33,23 @@ class Reader(HTMLParser):
         super().__init__()
         self.tags: list[tuple[str, dict[str, str | None]]] = []
         self.scripts: dict[str, str] = {}
+        self.script: str | None = None
         self.words: list[str] = []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         self.tags.append((tag, dict(attrs)))
+        if tag == "script":
+            self.script = dict(attrs).get("id") or ""
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == "script":
+            self.script = None
 
     def handle_data(self, data: str) -> None:
-        last, attributes = self.tags[-1] if self.tags else ("", {})
-        if last == "script":
-            self.scripts[attributes.get("id") or ""] = data
-        else:
+        if self.script is None:
             self.words.append(data)
+        else:
+            self.scripts[self.script] = self.scripts.get(self.script, "") + data
 
 
 def read(page: str) -> Reader:

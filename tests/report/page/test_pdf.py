@@ -39,7 +39,7 @@ def test_no_browser_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 def test_a_browser_that_fails_is_said():
     broken = shutil.which("false")
     assert broken is not None
-    with pytest.raises(OutputError, match="printed no PDF"):
+    with pytest.raises(OutputError, match="printed no whole PDF"):
         print_pdf("<p>", broken, CREATED)
 
 
