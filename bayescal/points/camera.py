@@ -13,7 +13,7 @@ LARGEST = 1e100
 LARGEST_SD_DEG = 180.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StatedCamera:
     """What the setup file says of the camera's pose and optics; None where it is silent.
 
@@ -57,6 +57,10 @@ class StatedCamera:
         for name in ("focal_log_sd", "ratio_log_sd"):
             if (getattr(self, name) or 0) > 10:
                 raise InputError(f"{name} must be at most 10: a factor of e^10 is no knowledge")
+
+    def __repr__(self) -> str:
+        stated = ((one.name, getattr(self, one.name)) for one in fields(self))
+        return f"StatedCamera({', '.join(f'{n}={v}' for n, v in stated if v is not None)})"
 
 
 # How many numbers each of them has in a setup file, and where it stands.
