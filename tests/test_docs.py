@@ -45,7 +45,10 @@ def test_shown_commands_work(command, capsys):
     if command.startswith(RUNS):
         if "sim.csv" in command and "simulate" not in command:
             assert main(["simulate", "--order", "3", "--sigma", "1", "--out", "sim.csv"]) == 0
-        assert main(shlex.split(command)[1:]) == 0
+        words = shlex.split(command)[1:]
+        if "run" in words and "--out run" not in command:
+            assert main(["compare", "--orders", "1,4", "--ess", "400", "--out", "run"]) == 0
+        assert main(words) == 0
         assert capsys.readouterr().err == ""
     else:
         script = ROOT / shlex.split(command)[0]

@@ -10,6 +10,7 @@ from jsonschema import Draft202012Validator
 
 import bayescal as bc
 from bayescal.cli import main
+from bayescal.errors import InputError
 from bayescal.report.document import document, schema
 from bayescal.report.render import render
 from bayescal.report.terminal import comparison_view
@@ -101,3 +102,11 @@ def test_options_that_make_no_model_are_refused_in_one_line(options, words, caps
     assert captured.out == ""
     assert words in captured.err
     assert captured.err.count("\n") == 1
+
+
+def test_noise_needs_a_point_to_spare():
+    """As many coefficients as points leave an inferred sigma to its prior alone."""
+    x, y = [0.0, 1.0, 2.0], [0.0, 1.0, 5.0]
+    with pytest.raises(InputError, match="more points than the 3 coefficients of order 2"):
+        bc.compare_polynomials(x, y, [1, 2], noise="student-t")
+    assert bc.compare_polynomials(x, y, [2], noise="student-t", sigma=1.0, ess=100).sound

@@ -147,7 +147,8 @@ def with_noises(
     rng : numpy.random.Generator
     """
     order = axis.verdict.order
-    if order is None:  # a flat prior has no evidence
+    # A flat prior has no evidence, and no spare point tells the shape of the noise.
+    if order is None or axis.chosen.fit.dof <= 0:
         return defence
     if known is None:
         others = [named(n, axis.data) for n in NOISE_MODELS if n != axis.noise_model.name]

@@ -78,10 +78,22 @@ class RobustLinearModel:
         prior: CoefficientPrior,
         noise: NoiseModel,
     ) -> RobustLinearModel:
-        """Set up one order of a linear family, reported in monomials."""
-        monomials = data.monomials(order)
+        """Set up one order of a linear family, reported in monomials.
+
+        Raises
+        ------
+        InputError
+            Where sigma is inferred from no more points than there are coefficients.
+        """
+        monomials, design = data.monomials(order), data.design(order)
+        if level.value is None and len(data) <= design.shape[1]:
+            raise InputError(
+                f"{data.source}: axis {data.axis}: {noise.name} noise with sigma inferred needs "
+                f"more points than the {design.shape[1]} coefficients of order {order}; compare "
+                "lower orders, state --sigma or add points"
+            )
         return cls(
-            data.design(order),
+            design,
             data.t,
             data.sd,
             prior,
