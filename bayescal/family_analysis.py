@@ -3,84 +3,37 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 
 import numpy as np
-from scipy.special import softmax
 from threadpoolctl import threadpool_limits
 
-from bayescal.arrays import Array, frozen
 from bayescal.comparison.families import (
     FREE,
     STATED,
     FamilyComparison,
     JointModel,
-    ModelName,
     judge_families,
     model_probabilities,
 )
-from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
 from bayescal.errors import InputError
-from bayescal.inference.arviz_bridge import psis_loo
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.estimate import from_weights
-from bayescal.inference.free_position import FreePositionModel, MovingAxis
-from bayescal.inference.laplace_mixture import mixture_about
-from bayescal.inference.least_squares import factorise
-from bayescal.inference.model import LinearModel
-from bayescal.inference.pinhole import PinholeModel
-from bayescal.inference.pinhole_fit import JointData, PinholeFit, fit_pinhole
-from bayescal.inference.pinhole_proposal import ladder
-from bayescal.inference.position_search import best_position, position_mode
-from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
-from bayescal.inference.t_mixture import TMixture
-from bayescal.models import bivariate, separable
-from bayescal.models.camera_prior import PinholePrior, pinhole_prior, position_prior
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.choice import NoiseChoice
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.pinhole import PinholeGeometry, Radial
-from bayescal.models.priors import PriorRule
+from bayescal.family_members import Progress, Wanted, free_members, pinhole_members, stated_members
+from bayescal.family_models import (
+    FAMILIES,
+    LINEAR,
+    PINHOLE,
+    PINHOLE_ORDERS,
+    Axis,
+    linear_axes,
+    noise_levels,
+)
+from bayescal.models import separable
+from bayescal.models.camera_prior import pinhole_prior, position_prior
+from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
-from bayescal.points.setup import AXES
-from bayescal.settings import Settings, noise_level, prior_rule
+from bayescal.settings import Settings
 
-PINHOLE = "pinhole"
-LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
-FAMILIES = (*LINEAR, PINHOLE)
-PINHOLE_ORDERS = (0, 1, 2, 3)
-# Draws of the evidence where each costs a quadrature: of a family's best model at a free
-# position, which is sampled, and of the others, which are weighted only.
-POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
 EQUAL = ("families are equally probable beforehand; within one its positions, then its orders",)
-Progress = Callable[[str, int], None]
-Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
-
-
-@dataclass(frozen=True, eq=False)
-class Axis:
-    """One axis of a linear family: its data, noise level and prior rule.
-
-    Attributes
-    ----------
-    data : AxisData
-    noise : NoiseLevel
-    rule : PriorRule
-    source : str
-        How the noise level was chosen, in words.
-    """
-
-    data: AxisData
-    noise: NoiseLevel
-    rule: PriorRule
-    source: str
-
-    def model(self, order: int) -> LinearModel:
-        """Make the likelihood model of an order."""
-        self.data.check(order)
-        prior = self.rule.of_degrees(self.data.degrees(order))
-        return LinearModel(factorise(self.data, order), order, self.noise, prior, self.data.symbol)
 
 
 def compare_joint(
@@ -126,8 +79,8 @@ def compare_joint(
     """
     check_request(families, positions, settings)
     with threadpool_limits(1):
-        axes = {f: _axes(points, f, settings, orders[-1]) for f in families if f in LINEAR}
-        levels = _levels(points, settings, orders[-1])
+        axes = {f: linear_axes(points, f, settings, orders[-1]) for f in families if f in LINEAR}
+        levels = noise_levels(points, settings, orders[-1])
         found: list[JointModel] = []
         for family in families:
             wanted = positions or ((FREE,) if family == PINHOLE else (STATED,))
@@ -136,13 +89,13 @@ def compare_joint(
                     progress(f"{family}, position {position}", 0)
                 if family == PINHOLE:
                     ks = pinhole_orders
-                    found += _pinholes(points, ks, position, radial, levels, settings)
+                    found += pinhole_members(points, ks, position, radial, levels, settings)
                     continue
                 wanted_orders = _wanted(family, orders, pairs)
                 if position == STATED:
-                    found += _stated(family, axes[family], wanted_orders, points)
+                    found += stated_members(family, axes[family], wanted_orders, points)
                 else:
-                    found += _free(family, axes[family], wanted_orders, points, settings)
+                    found += free_members(family, axes[family], wanted_orders, points, settings)
     chances = model_probabilities(found)
     order = sorted(range(len(found)), key=lambda i: -chances[i])
     models = tuple(found[i] for i in order)
@@ -188,275 +141,12 @@ def check_request(
         )
 
 
-@dataclass(frozen=True, eq=False)
-class _Levels:
-    data: JointData
-    words: tuple[str, str]
-
-
-def _axes(
-    points: Correspondences, family: str, settings: Settings, highest: int
-) -> tuple[Axis, Axis]:
-    out = []
-    for axis in AXES:
-        data = LINEAR[family](points, axis)
-        other = separable.axis_data(points, "c" if axis == "r" else "r").x
-        own = separable.axis_data(points, axis)
-        usable, level, words = noise_level(own, settings, other, min(highest, 5))
-        stated = points.setup.priors.get(axis) if family == separable.NAME else None
-        rule = prior_rule(data, settings, stated)
-        out.append(Axis(replace(data, sd=usable.sd), level, rule, words))
-    return out[0], out[1]
-
-
-def _levels(points: Correspondences, settings: Settings, highest: int) -> _Levels:
-    """Noise levels of a joint model: as the separable family's where its regressors exist."""
-    pixels = np.stack([points.pixel(axis) for axis in AXES])
-    sds, levels, words = [], [], []
-    for i, axis in enumerate(AXES):
-        try:
-            own = separable.axis_data(points, axis)
-            other = separable.axis_data(points, AXES[1 - i]).x
-            usable, level, text = noise_level(own, settings, other, min(highest, 5))
-            sd = usable.sd
-        except InputError:
-            if points.world_sigma() is not None or settings.sigma in ("replicates", "scale"):
-                raise
-            sd = points.sigma.get(axis) if settings.sigma is None else None
-            level, text = _plain_level(settings, sd)
-        sds.append(sd)
-        levels.append(level)
-        words.append(text)
-    data = JointData(frozen(pixels), (sds[0], sds[1]), (levels[0], levels[1]))
-    return _Levels(data, (words[0], words[1]))
-
-
-def _plain_level(settings: Settings, sd: Array | None) -> tuple[NoiseLevel, str]:
-    if sd is not None:
-        return NoiseLevel.known(1.0), "known per point, from the data"
-    if isinstance(settings.sigma, float):
-        return NoiseLevel.known(settings.sigma), f"known, {settings.sigma:g} px"
-    return NoiseLevel.inferred(), "inferred"
-
-
 def _wanted(family: str, orders: Sequence[int], pairs: Sequence[tuple[int, int]] | None) -> Wanted:
     """Orders as named, and of r and c."""
     if family != separable.NAME:
         return [((k,), k, k) for k in orders]
     listed = pairs if pairs is not None else [(k, m) for k in orders for m in orders]
     return [((k, m), k, m) for k, m in listed]
-
-
-def joint_data(axes: tuple[Axis, Axis]) -> JointData:
-    """Pixels of both axes with their noise levels."""
-    r, c = axes
-    return JointData(np.stack([r.data.t, c.data.t]), (r.data.sd, c.data.sd), (r.noise, c.noise))
-
-
-def criteria_of(log_likelihood: float, k: int, n: int) -> tuple[float, float]:
-    """Give AIC and BIC of K parameters; n counts points."""
-    return -2 * log_likelihood + 2 * k, -2 * log_likelihood + k * math.log(n)
-
-
-def _stated(
-    family: str, axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences
-) -> list[JointModel]:
-    """Models at the stated position: products of two axes, each in closed form."""
-    data, n = joint_data(axes), len(points)
-    exact: list[dict[int, tuple[LinearModel, float, float, LeaveOneOut | None]]] = []
-    for i, axis in enumerate(axes):
-        by_order = {}
-        for k in sorted({w[1] if i == 0 else w[2] for w in orders}):
-            model = axis.model(k)
-            posterior = exact_posterior(model)
-            value, error = posterior.log_evidence, posterior.log_evidence_error
-            assert value is not None, "a proper prior has an evidence"
-            assert error is not None, "a proper prior has an evidence"
-            by_order[k] = model, value, error, leave_one_out(axis.data, posterior)
-        exact.append(by_order)
-    out = []
-    for named, k, m in orders:
-        (r, zr, er, lr), (c, zc, ec, lc) = exact[0][k], exact[1][m]
-        rss = np.array([r.factors.rss(k), c.factors.rss(m)])
-        likelihood = data.log_likelihood(rss)
-        count = r.size + c.size + sum(data.inferred)
-        pointwise = lr.pointwise + lc.pointwise if lr is not None and lc is not None else None
-        aic, bic = criteria_of(likelihood, count, n)
-        out.append(
-            JointModel(
-                ModelName(family, named, STATED),
-                count,
-                likelihood,
-                aic,
-                bic,
-                zr + zc,
-                math.hypot(er, ec),
-                *_elpd(pointwise),
-                None,
-                frozen(points.setup.position),
-            )
-        )
-    return out
-
-
-def _elpd(pointwise: Array | None) -> tuple[float | None, float | None, Array | None]:
-    if pointwise is None:
-        return None, None, None
-    se = math.sqrt(len(pointwise)) * float(pointwise.std(ddof=1))
-    return float(pointwise.sum()), se, frozen(pointwise)
-
-
-def free_model(
-    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int]
-) -> tuple[FreePositionModel, float]:
-    """Build a linear family's model at a free position, and its maximised log likelihood."""
-    prior = position_prior(points)
-    moving = [
-        MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
-        for i, (a, k) in enumerate(zip(axes, orders, strict=True))
-    ]
-    start, likelihood = best_position(moving, prior, joint_data(axes).log_likelihood)
-    return FreePositionModel((moving[0], moving[1]), prior, frozen(start)), likelihood
-
-
-def _free(
-    family: str,
-    axes: tuple[Axis, Axis],
-    orders: Wanted,
-    points: Correspondences,
-    settings: Settings,
-) -> list[JointModel]:
-    """Models at a free position: Laplace for all, draws for those that may matter."""
-    for i, axis in enumerate(axes):
-        axis.data.check(max(w[1] if i == 0 else w[2] for w in orders))
-        if axis.data.x_sd is not None and axis.data.x_sd.any():
-            raise InputError(
-                f"{points.source}: errors of the world coordinates with a free camera position "
-                "are not available; drop sigma_x, sigma_y, sigma_z or --position free"
-            )
-    built = []
-    for named, k, m in orders:
-        model, likelihood = free_model(points, axes, (k, m))
-        built.append((ModelName(family, named, FREE), model, likelihood, position_mode(model)))
-    best = max(built, key=lambda b: b[3].log_mass)[0]
-    out = []
-    for name, model, likelihood, mode in built:
-        count = sum(a.size for a in model.axes) + sum(a.noise.value is None for a in axes) + 3
-        proposal, rng = mixture_about((mode,), np.zeros(1)), _rng(settings, name)
-        if name == best:
-            guess = proposal, (mode,)
-            posterior = sample_model(model, rng, settings.ess, guess, POSITION_DRAWS)
-            found = _from_posterior(posterior)
-        else:
-            found = _from_weights(model, proposal, rng)
-        start = model.start
-        out.append(_joint(name, count, likelihood, len(points), found, start))
-    return out
-
-
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """What draws say of a model."""
-
-    log_evidence: float
-    error: float
-    pointwise: Array
-    pareto_k: float
-    posterior: SampledPosterior | None
-    doubts: tuple[str, ...] = ()
-
-
-def _from_posterior(posterior: SampledPosterior) -> _Found:
-    """Evidence and leave-one-out of a sampled model, the latter from 4000 draws at most."""
-    full = posterior.full.reshape(-1, posterior.full.shape[2])
-    step = max(1, len(full) // 4000)
-    pointwise, _, shape = psis_loo(posterior.model.log_likelihood(full[::step]).T)
-    error = posterior.log_evidence_error
-    return _Found(posterior.log_evidence, error, pointwise, float(shape.max()), posterior)
-
-
-def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.Generator) -> _Found:
-    """Find the same by importance sampling: in three dimensions nearly every draw is effective."""
-    theta = proposal.draw(rng, WEIGHTED_DRAWS)
-    log_w = model.log_prob(theta) - proposal.log_density(theta)
-    estimate = from_weights(log_w)
-    again = theta[rng.choice(len(log_w), len(log_w), p=softmax(log_w))]
-    likelihood = model.log_likelihood(model.complete(again, rng))
-    pointwise, _, shape = psis_loo(likelihood.T)
-    value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
-    return _Found(value, error, pointwise, float(shape.max()), None, doubts)
-
-
-def _joint(
-    name: ModelName, count: int, likelihood: float, n: int, found: _Found, position: Array
-) -> JointModel:
-    aic, bic = criteria_of(likelihood, count, n)
-    return JointModel(
-        name,
-        count,
-        likelihood,
-        aic,
-        bic,
-        found.log_evidence,
-        found.error,
-        *_elpd(found.pointwise),
-        found.pareto_k,
-        position,
-        found.posterior,
-        found.doubts,
-    )
-
-
-def pinhole_model(
-    points: Correspondences,
-    order: int,
-    position: str,
-    radial: Radial,
-    data: JointData,
-    settings: Settings,
-) -> PinholeModel:
-    """Build and fit a pinhole of one order."""
-    prior: PinholePrior = pinhole_prior(points, settings.tau)
-    fixed = frozen(points.setup.position) if position == STATED else None
-    geometry = PinholeGeometry(
-        points.world, prior.orientation, prior.half_diagonal, order, radial, fixed
-    )
-    fit: PinholeFit = fit_pinhole(points, geometry, prior, data)
-    choice = NoiseChoice(settings.noise, settings.nu, settings.bad_offset)
-    return PinholeModel.of(geometry, prior, data, fit, choice.model(1.0))
-
-
-def _pinholes(
-    points: Correspondences,
-    orders: Sequence[int],
-    position: str,
-    radial: Radial,
-    levels: _Levels,
-    settings: Settings,
-) -> list[JointModel]:
-    out = []
-    for k in orders:
-        model = pinhole_model(points, k, position, radial, levels.data, settings)
-        name = ModelName(PINHOLE, (k,), position)
-        guess = None
-        if model.gaussian:
-            modes, log_mass = ladder(model)
-            guess = mixture_about(modes, log_mass), modes[:1]
-        posterior = sample_model(model, _rng(settings, name), settings.ess, guess)
-        count = model.geometry.dimension + sum(levels.data.inferred)
-        count += 0 if model.gaussian else 2 * model.noise.dimension
-        theta = model.geometry.full(model.fit.free[None])
-        position_found = frozen(model.geometry.position(theta)[0])
-        likelihood = model.fit.log_likelihood
-        found = _from_posterior(posterior)
-        out.append(_joint(name, count, likelihood, len(points), found, position_found))
-    return out
-
-
-def _rng(settings: Settings, name: ModelName) -> np.random.Generator:
-    """Random numbers of one model, keyed by its name, so that no other changes them."""
-    key = (2 + FAMILIES.index(name.family), int(name.position == FREE), *name.orders)
-    return np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=key))
 
 
 def _caveats(

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import minimize
 
 import bayescal as bc
-from bayescal.family_analysis import Axis, free_model
+from bayescal.family_models import Axis, free_model
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.least_squares import factorise

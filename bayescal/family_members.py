@@ -1,0 +1,219 @@
+"""Members of a comparison across families, each with evidence and leave-one-out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import softmax
+
+from bayescal.arrays import Array, frozen
+from bayescal.comparison.families import (
+    FREE,
+    STATED,
+    JointModel,
+    ModelName,
+)
+from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
+from bayescal.errors import InputError
+from bayescal.family_models import (
+    FAMILIES,
+    PINHOLE,
+    Axis,
+    NoiseLevels,
+    criteria_of,
+    free_model,
+    joint_data,
+    pinhole_model,
+)
+from bayescal.inference.arviz_bridge import psis_loo
+from bayescal.inference.closed_form import exact_posterior
+from bayescal.inference.estimate import from_weights
+from bayescal.inference.free_position import FreePositionModel
+from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.model import LinearModel
+from bayescal.inference.pinhole_proposal import ladder
+from bayescal.inference.position_search import position_mode
+from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
+from bayescal.inference.t_mixture import TMixture
+from bayescal.models.pinhole import Radial
+from bayescal.points.correspondences import Correspondences
+from bayescal.settings import Settings
+
+# Draws of the evidence where each costs a quadrature: of a family's best model at a free
+# position, which is sampled, and of the others, which are weighted only.
+POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
+Progress = Callable[[str, int], None]
+Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
+
+
+def stated_members(
+    family: str, axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences
+) -> list[JointModel]:
+    """Models at the stated position: products of two axes, each in closed form."""
+    data, n = joint_data(axes), len(points)
+    exact: list[dict[int, tuple[LinearModel, float, float, LeaveOneOut | None]]] = []
+    for i, axis in enumerate(axes):
+        by_order = {}
+        for k in sorted({w[1] if i == 0 else w[2] for w in orders}):
+            model = axis.model(k)
+            posterior = exact_posterior(model)
+            value, error = posterior.log_evidence, posterior.log_evidence_error
+            assert value is not None, "a proper prior has an evidence"
+            assert error is not None, "a proper prior has an evidence"
+            by_order[k] = model, value, error, leave_one_out(axis.data, posterior)
+        exact.append(by_order)
+    out = []
+    for named, k, m in orders:
+        (r, zr, er, lr), (c, zc, ec, lc) = exact[0][k], exact[1][m]
+        rss = np.array([r.factors.rss(k), c.factors.rss(m)])
+        likelihood = data.log_likelihood(rss)
+        count = r.size + c.size + sum(data.inferred)
+        pointwise = lr.pointwise + lc.pointwise if lr is not None and lc is not None else None
+        aic, bic = criteria_of(likelihood, count, n)
+        out.append(
+            JointModel(
+                ModelName(family, named, STATED),
+                count,
+                likelihood,
+                aic,
+                bic,
+                zr + zc,
+                math.hypot(er, ec),
+                *_elpd(pointwise),
+                None,
+                frozen(points.setup.position),
+            )
+        )
+    return out
+
+
+def _elpd(pointwise: Array | None) -> tuple[float | None, float | None, Array | None]:
+    if pointwise is None:
+        return None, None, None
+    se = math.sqrt(len(pointwise)) * float(pointwise.std(ddof=1))
+    return float(pointwise.sum()), se, frozen(pointwise)
+
+
+def free_members(
+    family: str,
+    axes: tuple[Axis, Axis],
+    orders: Wanted,
+    points: Correspondences,
+    settings: Settings,
+) -> list[JointModel]:
+    """Models at a free position: Laplace for all, draws for those that may matter."""
+    for i, axis in enumerate(axes):
+        axis.data.check(max(w[1] if i == 0 else w[2] for w in orders))
+        if axis.data.x_sd is not None and axis.data.x_sd.any():
+            raise InputError(
+                f"{points.source}: errors of the world coordinates with a free camera position "
+                "are not available; drop sigma_x, sigma_y, sigma_z or --position free"
+            )
+    built = []
+    for named, k, m in orders:
+        model, likelihood = free_model(points, axes, (k, m))
+        built.append((ModelName(family, named, FREE), model, likelihood, position_mode(model)))
+    best = max(built, key=lambda b: b[3].log_mass)[0]
+    out = []
+    for name, model, likelihood, mode in built:
+        count = sum(a.size for a in model.axes) + sum(a.noise.value is None for a in axes) + 3
+        proposal, rng = mixture_about((mode,), np.zeros(1)), _rng(settings, name)
+        if name == best:
+            guess = proposal, (mode,)
+            posterior = sample_model(model, rng, settings.ess, guess, POSITION_DRAWS)
+            found = _from_posterior(posterior)
+        else:
+            found = _from_weights(model, proposal, rng)
+        start = model.start
+        out.append(_joint(name, count, likelihood, len(points), found, start))
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """What draws say of a model."""
+
+    log_evidence: float
+    error: float
+    pointwise: Array
+    pareto_k: float
+    posterior: SampledPosterior | None
+    doubts: tuple[str, ...] = ()
+
+
+def _from_posterior(posterior: SampledPosterior) -> _Found:
+    """Evidence and leave-one-out of a sampled model, the latter from 4000 draws at most."""
+    full = posterior.full.reshape(-1, posterior.full.shape[2])
+    step = max(1, len(full) // 4000)
+    pointwise, _, shape = psis_loo(posterior.model.log_likelihood(full[::step]).T)
+    error = posterior.log_evidence_error
+    return _Found(posterior.log_evidence, error, pointwise, float(shape.max()), posterior)
+
+
+def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.Generator) -> _Found:
+    """Find the same by importance sampling: in three dimensions nearly every draw is effective."""
+    theta = proposal.draw(rng, WEIGHTED_DRAWS)
+    log_w = model.log_prob(theta) - proposal.log_density(theta)
+    estimate = from_weights(log_w)
+    again = theta[rng.choice(len(log_w), len(log_w), p=softmax(log_w))]
+    likelihood = model.log_likelihood(model.complete(again, rng))
+    pointwise, _, shape = psis_loo(likelihood.T)
+    value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
+    return _Found(value, error, pointwise, float(shape.max()), None, doubts)
+
+
+def _joint(
+    name: ModelName, count: int, likelihood: float, n: int, found: _Found, position: Array
+) -> JointModel:
+    aic, bic = criteria_of(likelihood, count, n)
+    return JointModel(
+        name,
+        count,
+        likelihood,
+        aic,
+        bic,
+        found.log_evidence,
+        found.error,
+        *_elpd(found.pointwise),
+        found.pareto_k,
+        position,
+        found.posterior,
+        found.doubts,
+    )
+
+
+def pinhole_members(
+    points: Correspondences,
+    orders: Sequence[int],
+    position: str,
+    radial: Radial,
+    levels: NoiseLevels,
+    settings: Settings,
+) -> list[JointModel]:
+    """Sample the pinhole of each order at one kind of position."""
+    out = []
+    for k in orders:
+        model = pinhole_model(points, k, position, radial, levels.data, settings)
+        name = ModelName(PINHOLE, (k,), position)
+        guess = None
+        if model.gaussian:
+            modes, log_mass = ladder(model)
+            guess = mixture_about(modes, log_mass), modes[:1]
+        posterior = sample_model(model, _rng(settings, name), settings.ess, guess)
+        count = model.geometry.dimension + sum(levels.data.inferred)
+        count += 0 if model.gaussian else 2 * model.noise.dimension
+        theta = model.geometry.full(model.fit.free[None])
+        position_found = frozen(model.geometry.position(theta)[0])
+        likelihood = model.fit.log_likelihood
+        found = _from_posterior(posterior)
+        out.append(_joint(name, count, likelihood, len(points), found, position_found))
+    return out
+
+
+def _rng(settings: Settings, name: ModelName) -> np.random.Generator:
+    """Random numbers of one model, keyed by its name, so that no other changes them."""
+    key = (2 + FAMILIES.index(name.family), int(name.position == FREE), *name.orders)
+    return np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=key))

@@ -1,0 +1,157 @@
+"""What joint models of r and c are made of: their axes, noise levels, and the models themselves."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bayescal.arrays import Array, frozen
+from bayescal.comparison.families import (
+    STATED,
+)
+from bayescal.errors import InputError
+from bayescal.inference.free_position import FreePositionModel, MovingAxis
+from bayescal.inference.least_squares import factorise
+from bayescal.inference.model import LinearModel
+from bayescal.inference.pinhole import PinholeModel
+from bayescal.inference.pinhole_fit import JointData, PinholeFit, fit_pinhole
+from bayescal.inference.position_search import best_position
+from bayescal.models import bivariate, separable
+from bayescal.models.camera_prior import PinholePrior, pinhole_prior, position_prior
+from bayescal.models.linear import AxisData
+from bayescal.models.noise.choice import NoiseChoice
+from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.pinhole import PinholeGeometry, Radial
+from bayescal.models.priors import PriorRule
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import AXES
+from bayescal.settings import Settings, noise_level, prior_rule
+
+PINHOLE = "pinhole"
+LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
+FAMILIES = (*LINEAR, PINHOLE)
+PINHOLE_ORDERS = (0, 1, 2, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One axis of a linear family: its data, noise level and prior rule.
+
+    Attributes
+    ----------
+    data : AxisData
+    noise : NoiseLevel
+    rule : PriorRule
+    source : str
+        How the noise level was chosen, in words.
+    """
+
+    data: AxisData
+    noise: NoiseLevel
+    rule: PriorRule
+    source: str
+
+    def model(self, order: int) -> LinearModel:
+        """Make the likelihood model of an order."""
+        self.data.check(order)
+        prior = self.rule.of_degrees(self.data.degrees(order))
+        return LinearModel(factorise(self.data, order), order, self.noise, prior, self.data.symbol)
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseLevels:
+    """Pixels of both axes with their noise levels, and how these were chosen, in words."""
+
+    data: JointData
+    words: tuple[str, str]
+
+
+def linear_axes(
+    points: Correspondences, family: str, settings: Settings, highest: int
+) -> tuple[Axis, Axis]:
+    """Set up both axes of a linear family, at the noise levels of the highest order."""
+    out = []
+    for axis in AXES:
+        data = LINEAR[family](points, axis)
+        other = separable.axis_data(points, "c" if axis == "r" else "r").x
+        own = separable.axis_data(points, axis)
+        usable, level, words = noise_level(own, settings, other, min(highest, 5))
+        stated = points.setup.priors.get(axis) if family == separable.NAME else None
+        rule = prior_rule(data, settings, stated)
+        out.append(Axis(replace(data, sd=usable.sd), level, rule, words))
+    return out[0], out[1]
+
+
+def noise_levels(points: Correspondences, settings: Settings, highest: int) -> NoiseLevels:
+    """Noise levels of a joint model: as the separable family's where its regressors exist."""
+    pixels = np.stack([points.pixel(axis) for axis in AXES])
+    sds, levels, words = [], [], []
+    for i, axis in enumerate(AXES):
+        try:
+            own = separable.axis_data(points, axis)
+            other = separable.axis_data(points, AXES[1 - i]).x
+            usable, level, text = noise_level(own, settings, other, min(highest, 5))
+            sd = usable.sd
+        except InputError:
+            if points.world_sigma() is not None or settings.sigma in ("replicates", "scale"):
+                raise
+            sd = points.sigma.get(axis) if settings.sigma is None else None
+            level, text = _plain_level(settings, sd)
+        sds.append(sd)
+        levels.append(level)
+        words.append(text)
+    data = JointData(frozen(pixels), (sds[0], sds[1]), (levels[0], levels[1]))
+    return NoiseLevels(data, (words[0], words[1]))
+
+
+def _plain_level(settings: Settings, sd: Array | None) -> tuple[NoiseLevel, str]:
+    if sd is not None:
+        return NoiseLevel.known(1.0), "known per point, from the data"
+    if isinstance(settings.sigma, float):
+        return NoiseLevel.known(settings.sigma), f"known, {settings.sigma:g} px"
+    return NoiseLevel.inferred(), "inferred"
+
+
+def joint_data(axes: tuple[Axis, Axis]) -> JointData:
+    """Pixels of both axes with their noise levels."""
+    r, c = axes
+    return JointData(np.stack([r.data.t, c.data.t]), (r.data.sd, c.data.sd), (r.noise, c.noise))
+
+
+def criteria_of(log_likelihood: float, k: int, n: int) -> tuple[float, float]:
+    """Give AIC and BIC of K parameters; n counts points."""
+    return -2 * log_likelihood + 2 * k, -2 * log_likelihood + k * math.log(n)
+
+
+def free_model(
+    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int]
+) -> tuple[FreePositionModel, float]:
+    """Build a linear family's model at a free position, and its maximised log likelihood."""
+    prior = position_prior(points)
+    moving = [
+        MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
+        for i, (a, k) in enumerate(zip(axes, orders, strict=True))
+    ]
+    start, likelihood = best_position(moving, prior, joint_data(axes).log_likelihood)
+    return FreePositionModel((moving[0], moving[1]), prior, frozen(start)), likelihood
+
+
+def pinhole_model(
+    points: Correspondences,
+    order: int,
+    position: str,
+    radial: Radial,
+    data: JointData,
+    settings: Settings,
+) -> PinholeModel:
+    """Build and fit a pinhole of one order."""
+    prior: PinholePrior = pinhole_prior(points, settings.tau)
+    fixed = frozen(points.setup.position) if position == STATED else None
+    geometry = PinholeGeometry(
+        points.world, prior.orientation, prior.half_diagonal, order, radial, fixed
+    )
+    fit: PinholeFit = fit_pinhole(points, geometry, prior, data)
+    choice = NoiseChoice(settings.noise, settings.nu, settings.bad_offset)
+    return PinholeModel.of(geometry, prior, data, fit, choice.model(1.0))
