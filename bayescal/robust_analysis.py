@@ -56,11 +56,12 @@ def compare_robustly(
     """
     data, noise, words = level
     shape = settings.noise_model(data)
+    # All are built, and one that can't be is refused, before any is sampled.
+    models = {k: RobustLinearModel.of_order(data, k, noise, rule.of_order(k), shape) for k in fits}
     posteriors = {}
-    for k in fits:
+    for k, model in models.items():
         if progress is not None:
             progress(data.axis, k)
-        model = RobustLinearModel.of_order(data, k, noise, rule.of_order(k), shape)
         name = f"{data.axis}-order-{k}"
         posteriors[k] = source.sampled(name, model, rng(k), settings.ess)
     evidence = {k: p.log_evidence for k, p in posteriors.items()}

@@ -208,7 +208,7 @@ def _shares_differ(
     weights = softmax(log_weights)
     n_effective = 1 / float(weights @ weights)
     for k in range(len(modes)):
-        expected = float(weights[nearest[0] == k].sum())
+        expected = min(float(weights[nearest[0] == k].sum()), 1.0)  # rounding may exceed it
         drawn = float(np.mean(nearest[1] == k))
         variance = expected * (1 - expected) * (1 / n_effective + 1 / effective)
         if abs(drawn - expected) > 5 * np.sqrt(variance) + 1e-3:
