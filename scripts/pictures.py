@@ -1,5 +1,6 @@
 """Takes pictures of a real report and of the table in a terminal."""
 
+import io
 import os
 import shutil
 import sys
@@ -43,9 +44,8 @@ def _report(page: Page, place: Path) -> None:
 
 def _terminal(page: Page) -> None:
     """Picture what compare prints of r."""
-    console = Console(record=True, width=WIDTH, file=open(os.devnull, "w"), force_terminal=True)  # noqa: PTH123, SIM115
+    console = Console(record=True, width=WIDTH, file=io.StringIO(), force_terminal=True)
     console.print(comparison_view(bc.compare(bc.thesis(), axis="r")))
-    console.file.close()
     svg = console.export_svg(title="bayescal compare --axis r")
     page.set_content(f"<body style='margin:0'>{svg}</body>")
     page.locator("svg").screenshot(path=IMAGES / "terminal.png")
