@@ -29,18 +29,18 @@ _EXPORTS = {
     "load_setup": "bayescal.points.setup",
     "save": "bayescal.points.writer",
     "thesis": "bayescal.points.bundled",
-    "compare": "bayescal.api",
-    "compare_families": "bayescal.api",
-    "compare_polynomials": "bayescal.api",
-    "fit": "bayescal.api",
-    "fit_family": "bayescal.api",
-    "fit_polynomial": "bayescal.api",
-    "least_squares": "bayescal.api",
+    "compare": "bayescal.api.axes",
+    "compare_families": "bayescal.api.families",
+    "compare_polynomials": "bayescal.api.polynomials",
+    "fit": "bayescal.api.axes",
+    "fit_family": "bayescal.api.families",
+    "fit_polynomial": "bayescal.api.polynomials",
+    "least_squares": "bayescal.api.polynomials",
     "open_run": "bayescal.report.reopen",
     "save_report": "bayescal.report.page.page",
     "save_run": "bayescal.report.run",
     "plot": "bayescal.report.figures.registry",
-    "outliers": "bayescal.outlier_analysis",
+    "outliers": "bayescal.api.outliers",
     "reproduce": "bayescal.reproduction",
 }
 
@@ -70,17 +70,11 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from bayescal.api import (
-        compare,
-        compare_families,
-        compare_polynomials,
-        fit,
-        fit_family,
-        fit_polynomial,
-        least_squares,
-    )
+    from bayescal.api.axes import compare, fit
+    from bayescal.api.families import compare_families, fit_family
+    from bayescal.api.outliers import outliers
+    from bayescal.api.polynomials import compare_polynomials, fit_polynomial, least_squares
     from bayescal.errors import BayescalError, InputError
-    from bayescal.outlier_analysis import outliers
     from bayescal.points.bundled import thesis
     from bayescal.points.correspondences import Correspondences
     from bayescal.points.reader import load

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -19,7 +19,6 @@ from bayescal.comparison.outliers import (
 )
 from bayescal.comparison.rejection import RejectionRule
 from bayescal.comparison.shared_errors import shared_errors
-from bayescal.errors import InputError
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.evidence import log_evidences
 from bayescal.inference.least_squares import factorise, solve
@@ -37,55 +36,33 @@ from bayescal.models.noise.student_t import StudentT
 from bayescal.models.priors import PriorRule
 from bayescal.models.separable import axis_data
 from bayescal.points.correspondences import Correspondences
-from bayescal.points.reader import axis_names
 from bayescal.points.setup import AXES
-from bayescal.settings import (
-    DEFAULT_ORDERS,
-    Settings,
-    check_resolved,
-    checked_orders,
-    noise_level,
-    prior_rule,
-)
-
-SIGNIFICANCE = 0.05
+from bayescal.settings import Settings, check_resolved, noise_level, prior_rule
 
 
-def outliers(
+def find_outliers(
     points: Correspondences,
-    orders: Iterable[int] = DEFAULT_ORDERS,
-    *,
-    axis: str = "both",
-    sigma: float | str | None = None,
-    prior: str | None = None,
-    tau: float | None = None,
-    nu: float | None = None,
-    bad_offset: bool = False,
-    significance: float = SIGNIFICANCE,
-    seed: int = 0,
-    progress: Callable[[str], None] | None = None,
+    names: Sequence[str],
+    orders: tuple[int, ...],
+    settings: Settings,
+    noises: tuple[StudentT, OutlierMixture],
+    rejection: RejectionRule,
+    tell: Callable[[str], None],
 ) -> OutlierStudy:
-    """Find bad points, and whether the choice of the order depends on them.
+    """Study the bad points of each axis wanted.
 
     Parameters
     ----------
     points : Correspondences
-        From `load`, `thesis` or ``Correspondences.from_arrays``.
-    orders : iterable of int, optional
-        Polynomial degrees, 1 to 5 by default.
-    axis : str, optional
-        ``"r"``, ``"c"`` or ``"both"``.
-    sigma, prior, tau
-        As in `compare`.
-    nu : float, optional
-        Fixes the degrees of freedom of Student-t noise; by default they are inferred.
-    bad_offset : bool, optional
-        Infer an offset of the mixture's bad points; by default it is zero.
-    significance : float, optional
-        Of the chi-squared elimination, family-wise.
-    seed : int, optional
-        Of all randomness.
-    progress : callable, optional
+    names : sequence of str
+        Axes, of ``"r"`` and ``"c"``.
+    orders : tuple of int
+        Polynomial degrees, ascending.
+    settings : Settings
+    noises : tuple
+        The two noise models that know bad points.
+    rejection : RejectionRule
+    tell : callable
         Called with the axis before each noise model is sampled.
 
     Returns
@@ -95,40 +72,27 @@ def outliers(
     Raises
     ------
     InputError
-        Where the points can't determine an order, or a setting is not usable.
+        Where the points can't determine an order.
     """
-    wanted = checked_orders(orders)
-    settings = Settings(sigma, prior, tau, seed)
-    StudentT(nu)  # refuse what it can't be
-    rule = RejectionRule(significance)
-    if prior == "flat":
-        raise InputError("outliers compares evidences, which a flat prior does not have")
-    names = axis_names(axis)
     data = {name: axis_data(points, name) for name in AXES}
     for name in names:
-        data[name].check(wanted[-1])
-    tell = progress if progress is not None else _silent
+        data[name].check(orders[-1])
+    axes = {}
     with threadpool_limits(1):
-        axes = {
-            name: _axis(
+        for name in names:
+            other = data["c" if name == "r" else "r"].x
+            seeds = np.random.SeedSequence(settings.seed, spawn_key=(AXES.index(name), 0))
+            axes[name] = _axis(
                 points,
-                noise_level(data[name], settings, data["c" if name == "r" else "r"].x, wanted[-1]),
+                noise_level(data[name], settings, other, orders[-1]),
                 prior_rule(data[name], settings, points.setup.priors.get(name)),
-                wanted,
-                (StudentT(nu), OutlierMixture(infers_offset=bad_offset)),
-                rule,
-                np.random.default_rng(
-                    np.random.SeedSequence(seed, spawn_key=(AXES.index(name), 0))
-                ),
+                orders,
+                noises,
+                rejection,
+                np.random.default_rng(seeds),
                 tell,
             )
-            for name in names
-        }
-    return OutlierStudy(axes, points, significance, seed)
-
-
-def _silent(_: str) -> None:
-    """Report no progress."""
+    return OutlierStudy(axes, points, rejection.significance, settings.seed)
 
 
 def _axis(

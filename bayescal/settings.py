@@ -34,30 +34,39 @@ SIGMA_WORDS = ("inferred", "replicates", "scale")
 
 @dataclasses.dataclass(frozen=True)
 class Settings:
-    """What the user decides beside the data.
+    """What the user decides beside the data. The public functions take these as keywords.
 
     Attributes
     ----------
-    sigma : float or str or None
-        Known sigma, px; ``"inferred"``; ``"replicates"``: from their spread;
-        ``"scale"``: the file's deviations times an inferred factor; or None: the
-        file's deviations where it has them, else inferred.
-    prior : str or None
-        ``"field"``, ``"flat"`` or ``"stated"``; None: the setup's stated prior
-        where it has one, else field.
-    tau : float or None
-        Fixed tau of the field prior; None: inferred.
-    seed : int
-    ess : int
+    sigma : float or str, optional
+        Noise level: a known number of px; ``"inferred"``; ``"replicates"``: from their
+        spread; ``"scale"``: the points' own deviations times an inferred factor. By
+        default the points' own deviations where they have them, else inferred.
+    prior : str, optional
+        ``"field"``, ``"flat"`` or ``"stated"``; by default the setup's own where it
+        states one, else field.
+    tau : float, optional
+        Fixes the strength of the non-linearity of the field prior, as a fraction of the
+        image; by default it is inferred.
+    seed : int, optional
+        Of all randomness.
+    ess : int, optional
         Effective samples wanted of every parameter.
-    defend : bool
-        Whether to answer a referee's questions too.
-    noise : str
-        ``"gaussian"``, ``"student-t"`` or ``"outlier-mixture"``.
-    nu : float or None
-        Fixes the degrees of freedom of Student-t noise; None: inferred.
-    bad_offset : bool
-        Whether the mixture's bad points have an offset, inferred; else it is zero.
+    defend : bool, optional
+        Also answer a referee: leave-one-out, sensitivity to the prior, stability under
+        removal and resampling of points, orders beyond the range (some seconds more).
+    noise : str, optional
+        ``"gaussian"``, ``"student-t"`` (heavy tails) or ``"outlier-mixture"`` (good and
+        bad points); the latter two are sampled without a closed form, which takes longer.
+    nu : float, optional
+        Fixes the degrees of freedom of Student-t noise; by default they are inferred.
+    bad_offset : bool, optional
+        Infer an offset of the mixture's bad points; by default it is zero.
+
+    Raises
+    ------
+    InputError
+        Where a setting is not usable.
     """
 
     sigma: float | str | None = None

@@ -44,7 +44,7 @@ def run(options: argparse.Namespace) -> int:
     """Compare, print and write; return the exit code."""
     if options.family is not None or options.position is not None:
         return _across_families(options)
-    from bayescal.api import compare
+    from bayescal.api.axes import compare
     from bayescal.report.terminal import comparison_view
 
     check_output(options)
@@ -63,7 +63,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _across_families(options: argparse.Namespace) -> int:
     """Compare families of models of r and c together."""
-    from bayescal.api import compare_families
+    from bayescal.api.families import compare_families
     from bayescal.commands.families import check_families, deliver_families
     from bayescal.report.families import families_view
 

@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
         return _joint(options)
     if options.order_r is None and options.order_c is None:
         raise InputError("fit: give --order-r, --order-c or both")
-    from bayescal.api import fit
+    from bayescal.api.axes import fit
     from bayescal.report.terminal import fit_view
 
     check_output(options)
@@ -49,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _joint(options: argparse.Namespace) -> int:
     """Fit one model of r and c together."""
-    from bayescal.api import fit_family
+    from bayescal.api.families import fit_family
     from bayescal.commands.families import check_families, deliver_families
     from bayescal.report.families import joint_fit_view
 

@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Find, print and write; return the exit code."""
     check_json(options)
-    from bayescal.outlier_analysis import outliers
+    from bayescal.api.outliers import outliers
 
     points = shared.points(options)
     models = 2 * shared.axes_of(options)

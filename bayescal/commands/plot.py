@@ -111,7 +111,7 @@ def _check(kind: FigureKind, options: argparse.Namespace) -> None:
 
 
 def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
-    from bayescal.api import compare
+    from bayescal.api.axes import compare
 
     points = shared.points(options)
     models = len(shared.orders_of(options)) * shared.axes_of(options)

@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _compared(options: argparse.Namespace) -> Comparison:
-    from bayescal.api import compare
+    from bayescal.api.axes import compare
 
     points = shared.points(options)
     models = len(shared.orders_of(options)) * shared.axes_of(options)

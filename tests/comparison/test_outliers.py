@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
+from bayescal.api.outliers import outliers
 from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.outliers import RobustView, cooks_distance, eliminate, point_records
 from bayescal.comparison.rejection import RejectionRule
@@ -19,7 +20,6 @@ from bayescal.inference.quadrature import FINE
 from bayescal.inference.reweighting import Rows
 from bayescal.models.priors import PriorRule
 from bayescal.models.separable import axis_data
-from bayescal.outlier_analysis import outliers
 from bayescal.report.outliers import outliers_document, outliers_schema, outliers_view
 from bayescal.report.render import render
 

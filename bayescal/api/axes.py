@@ -1,0 +1,102 @@
+"""Polynomials of a camera's points, axis by axis: the separable family."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable
+from typing import Unpack
+
+from bayescal.analysis import Progress, analyse_points
+from bayescal.api.options import Options, spelled_out
+from bayescal.comparison.results import Comparison
+from bayescal.errors import InputError
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.reader import axis_names
+from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
+
+
+@spelled_out(Options)
+def compare(
+    points: Correspondences,
+    orders: Iterable[int] = DEFAULT_ORDERS,
+    *,
+    axis: str = "both",
+    defend: bool = False,
+    hint: bool = True,
+    progress: Progress | None = None,
+    **options: Unpack[Options],
+) -> Comparison:
+    """Compare polynomial orders of the separable family, axis by axis.
+
+    Parameters
+    ----------
+    points : Correspondences
+        From `load`, `thesis` or ``Correspondences.from_arrays``.
+    orders : iterable of int, optional
+        Polynomial degrees, 1 to 5 by default.
+    axis : str, optional
+        ``"r"``, ``"c"`` or ``"both"``.
+    defend : bool, optional
+        Also answer a referee: leave-one-out, sensitivity to the prior, stability under
+        removal and resampling of points, orders beyond the range (some seconds more).
+    hint : bool, optional
+        Look whether another family or a free camera position is decisively better.
+    progress : callable, optional
+        Called with axis and order before each model is sampled.
+    **options : Options
+        Of noise, prior and sampling: see `bayescal.settings.Settings`.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine an order, or a setting is not usable.
+    """
+    wanted = checked_orders(orders)
+    settings = Settings(**options, defend=defend)
+    by_axis = dict.fromkeys(axis_names(axis), wanted)
+    result = analyse_points(points, by_axis, settings, progress)
+    if not hint:
+        return result
+    from bayescal.family_hint import family_hint
+
+    return dataclasses.replace(result, hint=family_hint(points, result, settings))
+
+
+@spelled_out(Options)
+def fit(
+    points: Correspondences,
+    order_r: int | None = None,
+    order_c: int | None = None,
+    *,
+    progress: Progress | None = None,
+    **options: Unpack[Options],
+) -> Comparison:
+    """Fit one order per axis; what `compare` gives, with a single order each.
+
+    Parameters
+    ----------
+    points : Correspondences
+    order_r, order_c : int, optional
+        Polynomial degrees; an axis without one is left out.
+    progress : callable, optional
+        As in `compare`.
+    **options : Options
+        Of noise, prior and sampling: see `bayescal.settings.Settings`.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InputError
+        As `compare`.
+    """
+    orders = {a: checked_orders([k]) for a, k in (("r", order_r), ("c", order_c)) if k is not None}
+    if not orders:
+        raise InputError("give the order of r, of c or of both")
+    return analyse_points(points, orders, Settings(**options, defend=False), progress)

@@ -1,0 +1,107 @@
+"""Families of models of r and c together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Unpack
+
+from bayescal.analysis import Progress
+from bayescal.api.options import Options, spelled_out
+from bayescal.comparison.families import FamilyComparison
+from bayescal.family_analysis import compare_joint
+from bayescal.models.pinhole import Radial
+from bayescal.points.correspondences import Correspondences
+from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
+
+
+@spelled_out(Options)
+def compare_families(
+    points: Correspondences,
+    families: Sequence[str] = ("separable", "bivariate", "pinhole"),
+    orders: Iterable[int] = DEFAULT_ORDERS,
+    *,
+    position: Sequence[str] | None = None,
+    radial: Radial = "even",
+    radial_orders: Sequence[int] = (0, 1, 2, 3),
+    progress: Progress | None = None,
+    **options: Unpack[Options],
+) -> FamilyComparison:
+    """Compare families of models of r and c together, their orders and the camera position.
+
+    Parameters
+    ----------
+    points : Correspondences
+    families : sequence of str, optional
+        Of ``"separable"``, ``"bivariate"``, ``"pinhole"``.
+    orders : iterable of int, optional
+        Polynomial degrees; every pair of them in the separable family.
+    position : sequence of str, optional
+        ``"stated"``, ``"free"`` or both; by default stated, and free for a pinhole.
+    radial : str, optional
+        ``"even"`` or ``"all"`` powers of the radius in the pinhole's distortion.
+    radial_orders : sequence of int, optional
+        Numbers of radial coefficients.
+    progress : callable, optional
+        Called with the family and its position before its models are fitted.
+    **options : Options
+        Of noise (other than Gaussian for the pinhole alone), prior and sampling: see
+        `bayescal.settings.Settings`.
+
+    Returns
+    -------
+    FamilyComparison
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine a model, or a setting is not usable.
+    """
+    settings = Settings(**options, defend=False)
+    numbers = tuple(sorted(set(radial_orders)))
+    wanted = checked_orders(orders)
+    return compare_joint(points, families, wanted, position, radial, settings, numbers, progress)
+
+
+@spelled_out(Options)
+def fit_family(
+    points: Correspondences,
+    family: str,
+    orders: tuple[int, ...],
+    *,
+    position: str | None = None,
+    radial: Radial = "even",
+    **options: Unpack[Options],
+) -> FamilyComparison:
+    """Fit one model of r and c together; what `compare_families` gives, with one model.
+
+    Parameters
+    ----------
+    points : Correspondences
+    family : str
+    orders : tuple of int
+        Of r and c in the separable family, else one.
+    position : str, optional
+        ``"stated"`` or ``"free"``; by default stated, and free for a pinhole.
+    radial : str, optional
+        As in `compare_families`.
+    **options : Options
+        Of noise (other than Gaussian for the pinhole alone), prior and sampling: see
+        `bayescal.settings.Settings`.
+
+    Returns
+    -------
+    FamilyComparison
+
+    Raises
+    ------
+    InputError
+        As `compare_families`.
+    """
+    settings = Settings(**options, defend=False)
+    radial_orders = checked_orders(orders, lowest=0) if family == "pinhole" else (0,)
+    degrees = (1,) if family == "pinhole" else checked_orders(orders)
+    pair = [(orders[0], orders[-1])] if family == "separable" else None
+    where = None if position is None else (position,)
+    return compare_joint(
+        points, (family,), degrees, where, radial, settings, radial_orders, None, pair
+    )

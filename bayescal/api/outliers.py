@@ -1,0 +1,75 @@
+"""Bad points, and whether the order depends on them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+from bayescal.comparison.outlier_results import OutlierStudy
+from bayescal.comparison.rejection import RejectionRule
+from bayescal.errors import InputError
+from bayescal.models.noise.outlier_mixture import OutlierMixture
+from bayescal.models.noise.student_t import StudentT
+from bayescal.outlier_analysis import find_outliers
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.reader import axis_names
+from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
+
+SIGNIFICANCE = 0.05
+
+
+def outliers(
+    points: Correspondences,
+    orders: Iterable[int] = DEFAULT_ORDERS,
+    *,
+    axis: str = "both",
+    sigma: float | str | None = None,
+    prior: str | None = None,
+    tau: float | None = None,
+    nu: float | None = None,
+    bad_offset: bool = False,
+    significance: float = SIGNIFICANCE,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> OutlierStudy:
+    """Find bad points, and whether the choice of the order depends on them.
+
+    Parameters
+    ----------
+    points : Correspondences
+        From `load`, `thesis` or ``Correspondences.from_arrays``.
+    orders : iterable of int, optional
+        Polynomial degrees, 1 to 5 by default.
+    axis : str, optional
+        ``"r"``, ``"c"`` or ``"both"``.
+    sigma, prior, tau, seed
+        As in `compare`.
+    nu : float, optional
+        Fixes the degrees of freedom of Student-t noise; by default they are inferred.
+    bad_offset : bool, optional
+        Infer an offset of the mixture's bad points; by default it is zero.
+    significance : float, optional
+        Of the chi-squared elimination, family-wise.
+    progress : callable, optional
+        Called with the axis before each noise model is sampled.
+
+    Returns
+    -------
+    OutlierStudy
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine an order, or a setting is not usable.
+    """
+    wanted = checked_orders(orders)
+    settings = Settings(sigma, prior, tau, seed)
+    noises = StudentT(nu), OutlierMixture(infers_offset=bad_offset)
+    rule = RejectionRule(significance)
+    if prior == "flat":
+        raise InputError("outliers compares evidences, which a flat prior does not have")
+    tell = progress if progress is not None else _silent
+    return find_outliers(points, axis_names(axis), wanted, settings, noises, rule, tell)
+
+
+def _silent(_: str) -> None:
+    """Report no progress."""
