@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import platform
 from dataclasses import asdict
 from datetime import UTC, datetime
@@ -14,29 +13,16 @@ from typing import Any
 import numpy as np
 
 import bayescal
-from bayescal.comparison.defence import Prediction
-from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
-from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
+from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.models.priors import TAU_BOUNDS, PriorRule
 from bayescal.report.adequacy import adequacy_rows
 from bayescal.report.defence import defence_document
 from bayescal.report.facts import dumps as dumps
 from bayescal.report.facts import points_facts
-from bayescal.report.noise import evidence_document, noise_document, points_document
+from bayescal.report.noise import noise_document, points_document
+from bayescal.report.order import order_document
 from bayescal.settings import Settings
 
-PREDICTION = (
-    "elpd_loo",
-    "elpd_loo_se",
-    "elpd_diff",
-    "elpd_diff_se",
-    "p_loo",
-    "pareto_k_max",
-    "elpd_psis",
-    "elpd_psis_mcse",
-    "elpd_group",
-    "influential_points",
-)
 SCHEMA = "bayescal.comparison/1"
 PACKAGES = ("emcee", "numpy", "scipy", "arviz")
 
@@ -151,7 +137,7 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
             **noise_document(axis),
         },
         "prior": _prior(axis.prior, axis.orders[-1].order),
-        "orders": [_order(result, axis) for result in axis.orders],
+        "orders": [order_document(result, axis) for result in axis.orders],
         "points": points_document(axis),
         "verdict": {
             "order": verdict.order,
@@ -168,28 +154,6 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
         "world_units": [asdict(u) for u in axis.world_units] or None,
         "adequacy": adequacy_rows(axis.adequacy) if axis.adequacy else None,
     }
-
-
-def _prediction(found: Prediction | None) -> dict[str, Any]:
-    if found is None:
-        return dict.fromkeys(PREDICTION)
-    k_max = None if found.pareto_k is None else _finite(float(found.pareto_k.max()))
-    loo = found.loo
-    values = (loo.elpd, _finite(loo.se), found.difference, _finite(found.difference_se), loo.p_eff)
-    return dict(
-        zip(
-            PREDICTION,
-            (
-                *values,
-                k_max,
-                found.psis_elpd,
-                found.psis_mcse,
-                found.group_elpd,
-                list(found.influential),
-            ),
-            strict=True,
-        )
-    )
 
 
 def _prior(rule: PriorRule, order: int) -> dict[str, Any]:
@@ -212,98 +176,3 @@ def _prior(rule: PriorRule, order: int) -> dict[str, Any]:
         ],
         "tau": tau,
     }
-
-
-def _order(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
-    fit, good, found = result.fit, result.goodness, result.criteria
-    posterior, size = result.posterior, len(fit.coefficients)
-    gaussian = isinstance(posterior, Posterior)
-    by_name = {p.name: p for p in result.posterior.parameters}
-    chain = result.posterior.chain
-    chains, draws, _ = chain.draws.shape
-    best = {
-        name: min((getattr(r.criteria, name) for r in axis.orders), key=_none_last)
-        for name in ("aic", "aicc", "bic")
-    }
-    found_loo = axis.defence.prediction.get(result.order) if axis.defence is not None else None
-    coefficients = []
-    for j, summary in enumerate(result.posterior.parameters[:size]):
-        errors = fit.standard_errors
-        coefficients.append(
-            {
-                "name": summary.name,
-                "mle": float(fit.coefficients[j]) if gaussian else None,
-                "mle_se": None if errors is None or not gaussian else float(errors[j]),
-                **_summary(summary),
-            }
-        )
-    return {
-        "order": result.order,
-        "n_coefficients": size,
-        "n_parameters": found.n_parameters,
-        "rss_px2": result.rss_px2,
-        "sigma_hat_px": math.sqrt(result.rss_px2 / fit.dof) if fit.dof > 0 else None,
-        "chi2": good.chi2,
-        "dof": good.dof,
-        "chi2_reduced": good.chi2_reduced,
-        "chi2_reduced_sd": good.chi2_reduced_sd,
-        "p_value": good.p_value,
-        "p_value_lower": good.p_value_lower,
-        "f_p_value": good.f_p_value,
-        "log_likelihood_max": found.log_likelihood,
-        "aic": found.aic,
-        "aicc": found.aicc,
-        "bic": found.bic,
-        **{f"delta_{n}": _difference(getattr(found, n), best[n]) for n in ("aic", "aicc", "bic")},
-        "log_evidence": posterior.log_evidence,
-        "log_evidence_error": posterior.log_evidence_error,
-        "evidence": evidence_document(result),
-        "probability": result.probability,
-        **_prediction(found_loo),
-        "exact_fit": fit.exact,
-        "coefficients": coefficients,
-        "sigma": _summary(by_name["sigma"]) if "sigma" in by_name else None,
-        "scale": _summary(by_name["scale"]) if "scale" in by_name else None,
-        "tau": _summary(by_name["tau"]) if "tau" in by_name else None,
-        "noise_parameters": {n: _summary(by_name[n]) for n in axis.noise_model.parameters},
-        "sampling": {
-            "sampler": "emcee",
-            "walkers": chains,
-            "steps": draws,
-            "draws": chains * draws,
-            "acceptance": chain.acceptance,
-            "autocorrelation_time": _finite(chain.autocorrelation_time),
-            "converged": result.posterior.converged,
-            "agrees_with_exact": posterior.agrees_with_exact
-            if isinstance(posterior, Posterior)
-            else None,
-        },
-    }
-
-
-def _summary(p: ParameterSummary) -> dict[str, Any]:
-    return {
-        "mean": p.mean,
-        "sd": p.sd,
-        "interval": list(p.interval),
-        "interval_probability": INTERVAL_PROBABILITY,
-        "mcse_mean": _finite(p.mcse_mean),
-        "ess_bulk": _finite(p.ess_bulk),
-        "ess_tail": _finite(p.ess_tail),
-        "rhat": _finite(p.rhat),
-        "exact_mean": p.exact_mean,
-        "exact_sd": p.exact_sd,
-    }
-
-
-def _finite(value: float) -> float | None:
-    """Turn a diagnostic that could not be computed into null."""
-    return value if math.isfinite(value) else None
-
-
-def _none_last(value: float | None) -> tuple[bool, float]:
-    return value is None, 0.0 if value is None else value
-
-
-def _difference(value: float | None, best: float | None) -> float | None:
-    return None if value is None or best is None else value - best

@@ -1,0 +1,16 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.report.command import here
+
+
+@pytest.fixture(scope="session")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of the thesis, as the command writes it."""
+    folder = tmp_path_factory.mktemp("runs") / "run"
+    done = here("compare", "--orders", "1-2", "--out", folder, "--quiet")
+    assert done == (0, "", "")
+    return folder
