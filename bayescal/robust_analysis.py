@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 
 from bayescal.comparison.adequacy.replicates import pure_error
-from bayescal.comparison.caveats import caveats
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
 from bayescal.comparison.results import AxisComparison, OrderResult
+from bayescal.comparison.robust_caveats import robust_caveats
 from bayescal.comparison.verdict import judge
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.robust_linear import RobustLinearModel
@@ -78,7 +78,7 @@ def compare_robustly(
         )
         for k, fit in fits.items()
     )
-    verdict = judge(chances, evidence, {}, caveats(results, noise))
+    verdict = judge(chances, evidence, {}, robust_caveats(results, noise))
     plain = AxisComparison(
         data,
         noise,

@@ -241,3 +241,23 @@ print([name for name in heavy if name in sys.modules])
         cwd=tmp_path, env=environment(), capture_output=True, text=True, check=True,
     )  # fmt: skip
     assert found.stdout == "[]\n"
+
+
+def test_a_plain_comparison_imports_only_what_it_needs(tmp_path: Path) -> None:
+    script = """
+import sys
+from importlib.util import find_spec
+from bayescal.cli import main
+main(["compare", "--orders", "1", "--axis", "c", "--ess", "100", "--quiet"])
+spared = ["comparison.defence", "comparison.leave_one_out", "comparison.noise_evidence",
+          "comparison.sensitivity", "comparison.stability", "comparison.robust_caveats",
+          "inference.robust_linear", "inference.sampled_posterior", "report.document",
+          "family_analysis", "outlier_analysis", "robust_analysis"]
+loaded = [name for name in spared if f"bayescal.{name}" in sys.modules]
+print(loaded, [name for name in spared if find_spec(f"bayescal.{name}") is None])
+"""
+    found = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=tmp_path, env=environment(), capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert found.stdout == "[] []\n"  # the latter: no name is out of date

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from bayescal.arrays import Array
 from bayescal.comparison.evidence import PLAUSIBLE, strength
 from bayescal.comparison.verdict import percent
-from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.points.correspondences import Correspondences
+
+if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
+    from bayescal.inference.sampled_posterior import SampledPosterior
 
 STATED, FREE = "stated", "free"
 

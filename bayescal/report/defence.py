@@ -16,7 +16,7 @@ from bayescal.comparison.stability import Bootstrap, Removal, joint_probabilitie
 from bayescal.comparison.verdict import percent
 from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
-from bayescal.report.noise import noises_document, noises_table, other_noise_lines
+from bayescal.report.other_noises import noises_document, noises_table, other_noise_lines
 from bayescal.report.render import indented, laid_out
 from bayescal.rounding import significant
 

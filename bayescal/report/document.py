@@ -19,8 +19,9 @@ from bayescal.report.adequacy import adequacy_rows
 from bayescal.report.defence import defence_document
 from bayescal.report.facts import dumps as dumps
 from bayescal.report.facts import points_facts
-from bayescal.report.noise import noise_document, points_document
+from bayescal.report.noise import noise_document
 from bayescal.report.order import order_document
+from bayescal.report.robust import points_document
 from bayescal.settings import Settings
 
 SCHEMA = "bayescal.comparison/1"

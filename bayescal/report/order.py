@@ -8,7 +8,7 @@ from typing import Any
 from bayescal.comparison.defence import Prediction
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
-from bayescal.report.noise import evidence_document
+from bayescal.report.robust import evidence_document
 
 PREDICTION = (
     "elpd_loo",

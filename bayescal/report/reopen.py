@@ -29,7 +29,7 @@ from bayescal.points.reader import load
 from bayescal.points.text import reason
 from bayescal.report.agreement import disagreement
 from bayescal.report.document import SCHEMA, document, versions
-from bayescal.report.noise import noises_from
+from bayescal.report.other_noises import noises_from
 from bayescal.report.run import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
 from bayescal.report.shape import misshapen
 from bayescal.settings import Settings

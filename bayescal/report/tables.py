@@ -11,13 +11,14 @@ from bayescal.comparison.verdict import percent
 from bayescal.inference.posterior import Posterior
 from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
-from bayescal.report.noise import robust_orders_table
 from bayescal.rounding import rounded, significant
 
 
 def orders_table(axis: AxisComparison) -> Table:
     """One row per order; the recommended one is marked."""
     if axis.noise_model.name != GAUSSIAN.name:
+        from bayescal.report.robust import robust_orders_table
+
         return robust_orders_table(axis)
     known = axis.reference.source == "known"
     tested = (

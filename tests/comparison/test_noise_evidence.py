@@ -8,7 +8,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.noise_evidence import NoiseEvidence, noise_words
-from bayescal.report.noise import other_noise_lines
+from bayescal.report.other_noises import other_noise_lines
 
 
 def other(lead, error, warnings=()):

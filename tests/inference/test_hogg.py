@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.report.noise import bad_probabilities
+from bayescal.report.robust import bad_probabilities
 
 # x, y, sigma_y of points 1 to 20.
 TABLE = np.array(

@@ -10,12 +10,12 @@ import pytest
 from scipy.special import gammaincinv, logsumexp, ndtri
 
 import bayescal as bc
-from bayescal.comparison.caveats import MANY_BAD, sampled_caveats
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.leave_one_out import leave_one_out
 from bayescal.comparison.psis import sampled_leave_one_out
 from bayescal.comparison.results import OrderResult
+from bayescal.comparison.robust_caveats import MANY_BAD, sampled_caveats
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.least_squares import LeastSquaresFit, factorise
 from bayescal.inference.model import LinearModel

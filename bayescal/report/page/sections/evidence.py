@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bayescal.report.defence import tau_table
-from bayescal.report.noise import noises_table, other_noise_lines
+from bayescal.report.other_noises import noises_table, other_noise_lines
 from bayescal.report.page.blocks import Block, Section, Tabled
 from bayescal.report.page.subject import PageSubject
 

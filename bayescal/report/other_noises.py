@@ -1,0 +1,77 @@
+"""The evidence of the recommended order under other noise: lines, table, result document."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bayescal.comparison.noise_evidence import NoiseEvidence, in_words, named
+from bayescal.comparison.results import AxisComparison
+from bayescal.inference.posterior import Posterior
+from bayescal.report.grid import Cell, Column, Table, number_cell
+from bayescal.report.noise import MARK, shape_words
+from bayescal.report.robust import error_cell
+from bayescal.rounding import significant
+
+
+def other_noise_lines(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> list[str]:
+    """Say under which priors the other noise models were judged."""
+    words = "; ".join(shape_words(named(found.name, axis.data), axis) for found in noises)
+    return [f"Other noise: {words}. Coefficients and sigma have the priors above."]
+
+
+def noises_document(noises: tuple[NoiseEvidence, ...]) -> list[dict[str, Any]]:
+    """Evidence under other noise models, for the result document."""
+    return [
+        {
+            "noise": found.name,
+            "log_evidence": {str(k): v for k, v in found.log_evidence.items()},
+            "log_evidence_error": {str(k): v for k, v in found.error.items()},
+            "warnings": {str(k): list(v) for k, v in found.warnings.items()},
+        }
+        for found in noises
+    ]
+
+
+def noises_from(rows: list[dict[str, Any]]) -> tuple[NoiseEvidence, ...]:
+    """Undo `noises_document`; the posteriors are not kept."""
+    return tuple(
+        NoiseEvidence(
+            row["noise"],
+            {int(k): v for k, v in row["log_evidence"].items()},
+            {int(k): v for k, v in row["log_evidence_error"].items()},
+            {int(k): tuple(v) for k, v in row["warnings"].items()},
+            {},
+        )
+        for row in rows
+    )
+
+
+def noises_table(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> Table:
+    """Log evidence of the recommended order under every noise model."""
+    chosen = axis.chosen
+    own = chosen.log_evidence or 0.0
+    rows = [
+        (
+            Cell(f"{in_words(axis.noise_model.name)}, as compared"),
+            Cell(f"{own:.2f}{MARK * bool(chosen.evidence_warnings)}", own),
+            Cell("") if isinstance(chosen.posterior, Posterior) else error_cell(chosen),
+            Cell(""),
+        )
+    ]
+    for found in noises:
+        mark = MARK * bool(found.warnings)
+        rows.append(
+            (
+                Cell(in_words(found.name)),
+                Cell(f"{found.total:.2f}{mark}", found.total),
+                number_cell(found.total_error or None, lambda v: significant(v, 1)),
+                Cell(f"{found.total - own:+.2f}{mark}", found.total - own),
+            )
+        )
+    columns = (
+        Column(f"noise, at order {chosen.order}"),
+        Column("ln Z", "natural logarithm of the evidence"),
+        Column("MC error", "Monte Carlo standard error of ln Z, nat"),
+        Column("ln B", "against the noise compared with"),
+    )
+    return Table(columns, tuple(rows))
