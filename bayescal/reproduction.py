@@ -172,7 +172,7 @@ def _warnings(found: Reproduction) -> tuple[str, ...]:
         missing = [str(o.order) for o in model.orders if found.common and o.common is None]
         if missing:
             warnings.append(
-                f"{model.name}: the {shared} points that all orders keep do not determine order "
+                f"{model.name}: the points that all orders keep, {shared}, do not determine order "
                 f"{', '.join(missing)}"
             )
     return tuple(warnings)

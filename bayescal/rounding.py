@@ -41,3 +41,8 @@ def plain(value: float, places: int = 1) -> str:
     if size >= 1e6 or (0 < size < 10**-places):
         return f"{value:.1e}"
     return f"{value:.{places if size < 1e4 else 0}f}"
+
+
+def counted(number: int, noun: str) -> str:
+    """Write a number of things, such as ``"1 point"`` and ``"2 points"``."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

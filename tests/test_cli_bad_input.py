@@ -83,9 +83,9 @@ def refuse(
         (f'{HEADER}\n1,2,3,4,"5\n', "points.csv:2: "),
         (text(rows(5)), "order 5 has 6 coefficients for 5 points; the highest order that works"),
         (text(rows(5)), "works is 4"),
-        (text(rows(1)), "no order works; add points"),
+        (text(rows(1)), "has 6 coefficients for 1 point; no order works; add points"),
         (TWO_VALUES, "takes 2 distinct values, order 5 needs 6; the highest order that works is 1"),
-        (text([rows(1)[0]] * 20), "takes 1 distinct values"),
+        (text([rows(1)[0]] * 20), "takes 1 distinct value,"),
         (f"{GOOD}1e12,1e12,1,4,5\n", "takes 2 distinct values"),  # the rest shrinks to a point
     ],
 )
@@ -147,7 +147,7 @@ def test_setups_that_can_not_be_used(
         (["--camera-position", "0", "0"], "expected 3 arguments"),
         (["--camera-position", "0", "0", "nan"], "camera position must be three finite"),
         (["--camera-position", "0", "1e300", "0"], "camera position must be three finite"),
-        (["--camera-position", "1e50", "1e50", "1e50"], "takes 1 distinct values"),
+        (["--camera-position", "1e50", "1e50", "1e50"], "takes 1 distinct value,"),
         (["--setup", "."], "is a directory; give a TOML setup file"),
         (["--setup", "none.toml"], "none.toml: there is no such file"),
         (["second.csv"], "unrecognized arguments: second.csv"),

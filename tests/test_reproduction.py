@@ -147,7 +147,7 @@ def test_per_point_elimination_runs_away_on_the_thesis_data():
 
 def test_common_points_that_do_not_determine_an_order_are_warned_of():
     found = bc.reproduce(bc.thesis(), per_point=True, common=True)
-    assert "c: the 19 points that all orders keep do not determine order 5" in found.warnings
+    assert "c: the points that all orders keep, 19, do not determine order 5" in found.warnings
 
 
 def test_deviations_of_the_points_are_said_to_go_unused(found):

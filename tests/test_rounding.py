@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from bayescal.rounding import decimals_for, rounded, significant
+from bayescal.rounding import counted, decimals_for, rounded, significant
 
 UNCERTAINTIES = st.floats(min_value=1e-7, max_value=9e6)
 VALUES = st.floats(min_value=-1e9, max_value=1e9)
@@ -123,3 +123,7 @@ def test_a_tiny_uncertainty_never_hides_digits(value: float, uncertainty: float)
 @pytest.mark.parametrize("uncertainty", [1.0, 10.0, 100.0])
 def test_no_minus_sign_on_zero(uncertainty: float) -> None:
     assert not rounded(-uncertainty / 1000, uncertainty).startswith("-")
+
+
+def test_one_thing_is_singular() -> None:
+    assert [counted(n, "point") for n in range(3)] == ["0 points", "1 point", "2 points"]

@@ -233,9 +233,11 @@ def is_run(options: argparse.Namespace, settled: tuple[str, ...]) -> bool:
             "folder that compare --out wrote"
         )
     for name in settled:
-        if getattr(options, name) is not None:
+        given = getattr(options, name)
+        if given is not None:
+            option = f"--{'no-' if given is False else ''}{name.replace('_', '-')}"
             raise InputError(
-                f"{folder}: is a run, which has its own --{name.replace('_', '-')}; leave the "
+                f"{folder}: is a run, which has its own {option}; leave the "
                 "option out, or name points in place of the run"
             )
     return True

@@ -9,7 +9,7 @@ from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.defence import Defence, Prediction
 from bayescal.comparison.stability import Beyond
 from bayescal.comparison.verdict import AxisVerdict, percent
-from bayescal.rounding import significant
+from bayescal.rounding import counted, significant
 
 # Leave-one-out contradicts the verdict where its best is ahead by more than both.
 CLEAR_ELPD = 4.0
@@ -120,7 +120,7 @@ def _removals(defence: Defence) -> str:
             continue
         shown = [
             f"without {kind} {r.name}"
-            + (f" ({r.size} points)" if kind == "group" else "")
+            + (f" ({counted(r.size, 'point')})" if kind == "group" else "")
             + f" order {r.order} would win (ln B {r.log_bayes_factor:.1f})"
             for r in found[:4]
         ]

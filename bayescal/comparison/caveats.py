@@ -111,5 +111,6 @@ def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str,
             )
     behind = int((points.camera_frame()[:, 2] < 0).sum())
     if behind:
-        found.append(f"{behind} of {len(points)} points lie behind the camera (z < 0)")
+        verb = "lies" if behind == 1 else "lie"
+        found.append(f"{behind} of {len(points)} points {verb} behind the camera (z < 0)")
     return tuple(found)

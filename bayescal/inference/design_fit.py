@@ -13,6 +13,7 @@ from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
+from bayescal.rounding import counted
 
 # A leverage this close to 1 leaves a point no residual of its own: removing it
 # would leave its column undetermined.
@@ -105,7 +106,7 @@ def fit_design(design: Array, t: Array) -> DesignFit:
     if not (np.isfinite(design).all() and np.isfinite(t).all()):
         raise InputError("the design and the pixels must be finite")
     if n < p:
-        raise InputError(f"{p} coefficients can't be had from {n} points; add points")
+        raise InputError(f"{p} coefficients can't be had from {counted(n, 'point')}; add points")
     norms = np.linalg.norm(design, axis=0)
     q, triangle = np.linalg.qr(design / np.where(norms > 0, norms, 1.0))
     values = np.linalg.svd(triangle, compute_uv=False)

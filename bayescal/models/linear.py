@@ -17,6 +17,7 @@ from bayescal.models.basis import (
     legendre_design,
 )
 from bayescal.models.plane import PlaneMap, plane_columns, plane_design, powers
+from bayescal.rounding import counted
 
 # Powers of ten that a product of two such numbers must leave room for.
 DECADES = 60
@@ -130,7 +131,7 @@ class AxisData:
             advice = f"the highest order that works is {works}" if works else "add points"
             raise InputError(
                 f"{self.source}: axis {self.axis}: order {order} in {self.regressor} has {p} "
-                f"coefficients for {len(self)} points; {advice}"
+                f"coefficients for {counted(len(self), 'point')}; {advice}"
             )
 
     def _check_line(self, order: int) -> None:
@@ -156,13 +157,13 @@ class AxisData:
         )
         if len(self) < order + 1:
             raise InputError(
-                f"{where}: order {order} has {order + 1} coefficients for {len(self)} points; "
-                f"{advice}"
+                f"{where}: order {order} has {order + 1} coefficients for "
+                f"{counted(len(self), 'point')}; {advice}"
             )
         if values < order + 1:
             raise InputError(
-                f"{where}: {self.regressor} takes {values} distinct values, order {order} needs "
-                f"{order + 1}; {advice}"
+                f"{where}: {self.regressor} takes {counted(values, 'distinct value')}, "
+                f"order {order} needs {order + 1}; {advice}"
             )
 
 

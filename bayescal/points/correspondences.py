@@ -12,6 +12,7 @@ from bayescal.arrays import Array, ArrayLike, frozen
 from bayescal.errors import InputError
 from bayescal.points.setup import AXES, LARGEST_PX, SMALLEST_PX, Setup
 from bayescal.points.setup import LARGEST as LARGEST
+from bayescal.rounding import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +107,7 @@ class Correspondences:
         groups = one_line(groups) if groups is not None else None
         for what, values in [("labels", names), ("groups", groups), *sigma.items()]:
             if values is not None and len(values) != n:
-                raise InputError(f"{what} has {len(values)} entries for {n} points")
+                raise InputError(f"{what}: {len(values)} given for {counted(n, 'point')}")
         for what, array, limit in [("world", w, LARGEST), ("pixels", p, LARGEST_PX)]:
             if not (np.abs(array) < limit).all():
                 raise InputError(f"{what} holds a number that is NaN, infinite or above {limit:g}")

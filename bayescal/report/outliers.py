@@ -19,6 +19,7 @@ from bayescal.report.facts import points_facts
 from bayescal.report.grid import Cell, Column, Table, number_cell
 from bayescal.report.noise import MARK
 from bayescal.report.render import indented, laid_out
+from bayescal.rounding import counted
 
 SCHEMA = "bayescal.outliers/1"
 # Points shown of each axis beside the suspicious ones, unless all are asked for.
@@ -148,8 +149,8 @@ def footnotes(axis: AxisOutliers, significance: float, *, everything: bool) -> l
         largest = max(abs(p.standardised or 0.0) for p in others)
         most = max(p.bad_probability for p in others)
         lines.append(
-            f"The other {hidden} points: at most {largest:.1f} standard deviations, P(bad) at most "
-            f"{percent(most)}; --all shows them."
+            f"The other {counted(hidden, 'point')}: at most {largest:.1f} standard deviations, "
+            f"P(bad) at most {percent(most)}; --all shows them."
         )
     return lines
 

@@ -17,7 +17,7 @@ from bayescal.comparison.thesis_results import (
     ThesisFit,
 )
 from bayescal.models.thesis import AS_CODED
-from bayescal.rounding import plain
+from bayescal.rounding import counted, plain
 
 # Columns for the points removed; the JSON document has them all.
 REMOVED_WIDTH = 25
@@ -185,7 +185,7 @@ def _removed(result: OrderReproduction) -> str:
         text = " ".join(numbers[:named]) + (f" and {rest} more" if rest else "")
         if len(text) <= REMOVED_WIDTH:
             return text
-    return f"{len(numbers)} points" if numbers else "none"
+    return counted(len(numbers), "point") if numbers else "none"
 
 
 def _table(*names: str) -> Table:

@@ -84,4 +84,4 @@ def test_assumptions_are_noted():
     points = bc.Correspondences.from_arrays(world, pixels, setup=Setup(position=(0, 0, 0)))
     found = " ".join(bc.compare(points, [1], axis="r", ess=100).notes)
     assert "image size is not known" in found
-    assert "1 of 8 points lie behind the camera" in found
+    assert "1 of 8 points lies behind the camera" in found

@@ -11,6 +11,7 @@ from scipy.special import fdtrc
 from bayescal.arrays import Array, IntArray
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
 from bayescal.comparison.adequacy.problem import Problem, clusters, other_name, renumbered
+from bayescal.rounding import counted
 
 
 @dataclass(frozen=True)
@@ -112,7 +113,9 @@ def _test(problem: Problem, name: str, cells: IntArray, shared: str) -> Adequacy
     extra = spread.cells - problem.p
     if extra <= 0:
         return untested(
-            name, f"{spread.cells} distinct places leave {problem.p} coefficients nothing to miss"
+            name,
+            f"nothing to miss: {counted(spread.cells, 'distinct place')} for "
+            f"{problem.p} coefficients",
         )
     if spread.rss == 0:
         return AdequacyTest(
@@ -121,9 +124,9 @@ def _test(problem: Problem, name: str, cells: IntArray, shared: str) -> Adequacy
             None,
             (extra, spread.dof),
             None,
-            f"{spread.dof + spread.cells} points in {spread.cells} places: those that share "
-            f"{shared} agree exactly, as copied or rounded readings do; they are no measure of "
-            "the noise and count as independent points although they may not be.",
+            f"{spread.dof + spread.cells} points in {counted(spread.cells, 'place')}: those that "
+            f"share {shared} agree exactly, as copied or rounded readings do; they are no measure "
+            "of the noise and count as independent points although they may not be.",
             concern=True,
         )
     lack = max(problem.rss - spread.rss, 0.0)

@@ -11,6 +11,7 @@ from bayescal.arrays import Array, IntArray
 from bayescal.comparison.adequacy.null import simulated_residuals, two_sided
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
 from bayescal.comparison.adequacy.problem import DETERMINED, Problem, clusters
+from bayescal.rounding import counted
 
 NAME = "runs along the regressor"
 
@@ -40,7 +41,7 @@ def runs_test(
     if len(kept) - problem.p < 1 or len(kept) < 3:
         return untested(
             NAME,
-            f"{int(places.max()) + 1} distinct {problem.data.regressor} are too few for "
+            f"too few distinct {problem.data.regressor}, {int(places.max()) + 1}, for "
             f"{problem.p} coefficients",
         )
     signs = _signs(tie_means(problem, places, problem.e)[kept])
@@ -70,8 +71,8 @@ def runs_test(
         float(count),
         None,
         p,
-        f"{count} runs of sign over {len(kept)} distinct {problem.data.regressor}, {mean:.1f} "
-        f"expected ({how}): {says}.",
+        f"{counted(count, 'run')} of sign over {len(kept)} distinct {problem.data.regressor}, "
+        f"{mean:.1f} expected ({how}): {says}.",
     )
 
 
