@@ -264,24 +264,31 @@ def axes_of(options: argparse.Namespace) -> int:
 class Progress:
     """A progress bar on a terminal, once a second has passed."""
 
-    def __init__(self, options: argparse.Namespace, total: int) -> None:
+    def __init__(
+        self,
+        options: argparse.Namespace,
+        total: int,
+        doing: str = "sampling",
+        unit: str = "model",
+    ) -> None:
         shown = options.progress
         if shown is None:
             shown = sys.stderr.isatty() and not options.quiet
         self._bar: Any = None
+        self._doing = doing
         if shown:
             from tqdm import tqdm
 
-            self._bar = tqdm(total=total, unit="model", delay=1, leave=False, file=sys.stderr)
+            self._bar = tqdm(total=total, unit=unit, delay=1, leave=False, file=sys.stderr)
 
     def __call__(self, axis: str, order: int) -> None:
         """Count one model more, now being sampled."""
         self.named(f"{axis}, order {order}")
 
     def named(self, what: str) -> None:
-        """Count one thing more, now being sampled, by its name."""
+        """Count one thing more, now being done, by its name."""
         if self._bar is not None:
-            self._bar.set_description(f"sampling {what}", refresh=False)
+            self._bar.set_description(f"{self._doing} {what}", refresh=False)
             self._bar.update()
 
     def __enter__(self) -> Progress:

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import check_file, exit_code
-from bayescal.errors import InputError
+from bayescal.commands.output import check_file, code_of
+from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
+    from bayescal.comparison.outlier_results import OutlierStudy
     from bayescal.comparison.results import Comparison
 
 HELP = "one page to attach to a calibration (HTML, PDF)"
@@ -27,6 +28,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     shared.add_axis(parser)
     shared.add_points(parser)
     shared.add_model(parser)
+    parser.add_argument(
+        "--outliers",
+        action="store_true",
+        help="look for bad points too: a section of their own (about a minute more)",
+    )
     output = parser.add_argument_group("output")
     output.add_argument("--out", required=True, metavar="FILE.html", help="the page")
     output.add_argument(
@@ -44,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Compare or reopen, write the page; return the exit code."""
     from bayescal.files import write_whole
-    from bayescal.report.page.pdf import find_browser, print_pdf
+    from bayescal.report.page.pdf import check_browser, find_browser, print_pdf
 
     out = Path(options.out)
     check_file(options, out)
@@ -54,21 +60,51 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"{options.pdf}: is named by --out too; give the PDF another name")
         check_file(options, Path(options.pdf))
         browser = find_browser()
+        check_browser(browser)
+    if options.outliers and options.prior == "flat":
+        raise InputError("--outliers compares evidences, which a flat prior does not have")
     result = _reopened(options) if shared.is_run(options, SETTLED) else _compared(options)
+    study = _bad_points(options, result) if options.outliers else None
     from bayescal.report.page.page import html, page_of
+    from bayescal.report.page.sections import SECTIONS
 
-    page = page_of(result, options.command_line)
+    with shared.Progress(options, len(SECTIONS), "drawing", "section") as progress:
+        page = page_of(result, options.command_line, study, progress.named)
     made = html(page)
+    write_whole(out, made.encode(), force=options.force)
     if browser is not None:
         created = page.made_by.rpartition(" ")[2]
-        write_whole(Path(options.pdf), print_pdf(made, browser, created), force=options.force)
-    write_whole(out, made.encode(), force=options.force)
+        try:
+            write_whole(Path(options.pdf), print_pdf(made, browser, created), force=options.force)
+        except OutputError as error:
+            raise OutputError(f"{error}; {out} is written") from None
     if not options.quiet:
         size = len(made.encode()) / 1e6
         print(f"{out}: {size:.1f} MB" + (f"; {options.pdf}" if browser is not None else ""))
         for name, order in result.orders.items():
             print(f"{name}: " + (f"order {order}" if order is not None else "no order"))
-    return exit_code(result)
+    return code_of(sound=result.sound and (study is None or study.sound))
+
+
+def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy:
+    """Look for bad points under the comparison's own settings."""
+    from bayescal.api.outliers import outliers
+
+    assert result.points is not None, "it was made from points"
+    asked = result.settings
+    with shared.Progress(options, 2 * len(result.axes)) as progress:
+        return outliers(
+            result.points,
+            sorted({r.order for axis in result.axes.values() for r in axis.orders}),
+            axis="both" if len(result.axes) > 1 else next(iter(result.axes)),
+            sigma=asked.sigma,
+            prior=asked.prior,
+            tau=asked.tau,
+            nu=asked.nu,
+            bad_offset=asked.bad_offset,
+            seed=asked.seed,
+            progress=progress.named,
+        )
 
 
 def _compared(options: argparse.Namespace) -> Comparison:

@@ -210,12 +210,26 @@ def outliers_document(study: OutlierStudy, command: str) -> dict[str, Any]:
         "provenance": {
             **versions(),
             "command": command,
-            "seed": study.seed,
+            "seed": study.settings.seed,
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
         },
         "data": points_facts(study.points),
         "significance": study.significance,
+        "settings": _settings(study),
         "axes": {name: _axis_document(axis) for name, axis in study.axes.items()},
+    }
+
+
+def _settings(study: OutlierStudy) -> dict[str, Any]:
+    asked, (heavy, mixture) = study.settings, study.noises
+    return {
+        "sigma": asked.sigma,
+        "prior": asked.prior,
+        "tau": asked.tau,
+        "seed": asked.seed,
+        "ess": asked.ess,
+        "nu": heavy.nu,
+        "bad_offset": mixture.infers_offset,
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 import bayescal
+from bayescal.comparison.outlier_results import OutlierStudy
 from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
 from bayescal.report.document import document
@@ -24,7 +26,12 @@ NOT_SOUND = (
 )
 
 
-def page_of(comparison: Comparison, command: str) -> Page:
+def page_of(
+    comparison: Comparison,
+    command: str,
+    study: OutlierStudy | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Page:
     """Collect everything that a page shows.
 
     Parameters
@@ -32,13 +39,23 @@ def page_of(comparison: Comparison, command: str) -> Page:
     comparison : Comparison
     command : str
         How it was asked for, for the provenance.
+    study : OutlierStudy, optional
+        The bad points of the same data, shown in a section of their own.
+    progress : callable, optional
+        Called with a section's name before it is made: drawing takes most of the time.
 
     Returns
     -------
     Page
     """
-    subject = PageSubject(comparison, document(comparison, command))
-    found = [made for section in SECTIONS if (made := section(subject)) is not None]
+    subject = PageSubject(comparison, document(comparison, command), study)
+    found = []
+    for section in SECTIONS:
+        if progress is not None:
+            progress(section.__module__.rpartition(".")[2].replace("_", " "))
+        made = section(subject)
+        if made is not None:
+            found.append(made)
     pairs = [f"{len(subject.axes[0].data)} pairs of x and y"] * (comparison.points is None)
     lines = [*pairs, *header_lines(comparison)]
     origin = subject.document["provenance"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bayescal.report.facts import dumps
+from bayescal.report.outliers import outliers_document
 from bayescal.report.page.blocks import Block, Embedded, Facts, Prose, Section
 from bayescal.report.page.subject import PageSubject
 
@@ -22,14 +23,25 @@ def section(subject: PageSubject) -> Section:
             "The result document below holds every number of this page, at full precision, for "
             "programs: JSON, schema " + str(found["schema"]) + "."
         ),
-        Embedded("result", dumps(found).replace("<", "\\u003c"), "result.json"),
+        _kept("result", found),
     ]
+    if subject.study is not None:
+        study = outliers_document(subject.study, str(origin["command"]))
+        blocks += [
+            Prose(f"The same of the bad points: JSON, schema {study['schema']}."),
+            _kept("outliers", study),
+        ]
     return Section(
         "provenance",
         "Provenance",
         "The same points, seed and versions give the same numbers.",
         tuple(blocks),
     )
+
+
+def _kept(name: str, document: dict[str, Any]) -> Embedded:
+    """Keep a document in the page; no text in it can end the element that holds it."""
+    return Embedded(name, dumps(document).replace("<", "\\u003c"), f"{name}.json")
 
 
 def _words(name: str) -> str:
