@@ -59,7 +59,7 @@ def add_axis(parser: argparse.ArgumentParser) -> None:
 
 
 def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> None:
-    """Add noise, prior, seed and sampling effort; the latter where `one_noise` is compared.
+    """Add noise, prior, seed and sampling effort.
 
     None of them has a default here: what is not given is left to the public functions, and
     what is given can be told apart.
@@ -86,8 +86,8 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
     _add_noise(parser, choose=one_noise)
     run = parser.add_argument_group("run")
     run.add_argument("--seed", type=int, metavar="N", help="of all randomness (0)")
-    if one_noise:
-        run.add_argument("--ess", type=int, metavar="N", help="effective samples wanted (4000)")
+    default = 4000 if one_noise else 1000
+    run.add_argument("--ess", type=int, metavar="N", help=f"effective samples wanted ({default})")
 
 
 def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:

@@ -13,11 +13,12 @@ from bayescal.errors import InputError, OutputError
 if TYPE_CHECKING:
     from bayescal.comparison.outlier_results import OutlierStudy
     from bayescal.comparison.results import Comparison
+    from bayescal.report.page.blocks import Page
 
 HELP = "one page to attach to a calibration (HTML, PDF)"
 DESCRIPTION = (
     "Write a comparison with its defence as one self-contained HTML page, made now from POINTS or "
-    "reopened from a RUN that compare --out wrote."
+    "reopened from a RUN that compare --out or outliers --out wrote."
 )
 SETTLED = (*shared.COMPARED, *shared.CAMERA, *shared.MODEL)
 
@@ -63,13 +64,9 @@ def run(options: argparse.Namespace) -> int:
         check_browser(browser)
     if options.outliers and options.prior == "flat":
         raise InputError("--outliers compares evidences, which a flat prior does not have")
-    result = _reopened(options) if shared.is_run(options, SETTLED) else _compared(options)
-    study = _bad_points(options, result) if options.outliers else None
-    from bayescal.report.page.page import html, page_of
-    from bayescal.report.page.sections import SECTIONS
+    page, lines, sound = _page(options)
+    from bayescal.report.page.page import html
 
-    with shared.Progress(options, len(SECTIONS), "drawing", "section") as progress:
-        page = page_of(result, options.command_line, study, progress.named)
     made = html(page)
     write_whole(out, made.encode(), force=options.force)
     if browser is not None:
@@ -81,9 +78,33 @@ def run(options: argparse.Namespace) -> int:
     if not options.quiet:
         size = len(made.encode()) / 1e6
         print(f"{out}: {size:.1f} MB" + (f"; {options.pdf}" if browser is not None else ""))
-        for name, order in result.orders.items():
-            print(f"{name}: " + (f"order {order}" if order is not None else "no order"))
-    return code_of(sound=result.sound and (study is None or study.sound))
+        print("\n".join(lines))
+    return code_of(sound=sound)
+
+
+def _page(options: argparse.Namespace) -> tuple[Page, list[str], bool]:
+    """Make the page, what to say of it in a few lines, and whether it is sound."""
+    from bayescal.report.outliers import SCHEMA as OUTLIERS
+    from bayescal.report.page.page import page_of, study_page
+    from bayescal.report.page.sections import SECTIONS
+    from bayescal.report.run_files import schema_of
+
+    kept = shared.is_run(options, SETTLED)
+    if kept and schema_of(Path(options.points)) == OUTLIERS:
+        from bayescal.report.outliers_run import open_outliers
+
+        found = open_outliers(options.points)
+        lines = [f"{name}: {axis.verdict}" for name, axis in found.axes.items()]
+        return study_page(found, options.command_line), lines, found.sound
+    result = _reopened(options) if kept else _compared(options)
+    study = _bad_points(options, result) if options.outliers else None
+    with shared.Progress(options, len(SECTIONS), "drawing", "section") as progress:
+        page = page_of(result, options.command_line, study, progress.named)
+    lines = [
+        f"{name}: " + (f"order {order}" if order is not None else "no order")
+        for name, order in result.orders.items()
+    ]
+    return page, lines, result.sound and (study is None or study.sound)
 
 
 def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy:

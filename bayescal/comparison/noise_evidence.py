@@ -120,7 +120,7 @@ def noise_evidence(
         return NoiseEvidence(noise.name, exact, dict.fromkeys(orders, 0.0), {}, {})
     posteriors = {
         k: (sampled or _now)(
-            f"{data.axis}-{noise.name}-order-{k}",
+            model_name(data.axis, noise.name, k),
             RobustLinearModel.of_order(data, k, level, rule.of_order(k), noise),
             child,
             ess,
@@ -128,6 +128,11 @@ def noise_evidence(
         for k, child in zip(orders, rng.spawn(len(orders)), strict=True)
     }
     return from_posteriors(noise.name, posteriors)
+
+
+def model_name(axis: str, noise: str, order: int) -> str:
+    """Name of a sampled model, under which a run keeps its draws."""
+    return f"{axis}-{noise}-order-{order}"
 
 
 def _now(_: str, model: SampledModel, rng: np.random.Generator, ess: int) -> SampledPosterior:

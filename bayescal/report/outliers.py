@@ -207,7 +207,8 @@ def outliers_document(study: OutlierStudy, command: str) -> dict[str, Any]:
     """
     return {
         "schema": SCHEMA,
-        "provenance": {
+        "provenance": study.origin
+        or {
             **versions(),
             "command": command,
             "seed": study.settings.seed,

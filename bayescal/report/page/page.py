@@ -14,8 +14,11 @@ from bayescal.comparison.outlier_results import OutlierStudy
 from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
 from bayescal.report.document import document
+from bayescal.report.outliers import outliers_document
 from bayescal.report.page.blocks import Page
 from bayescal.report.page.sections import SECTIONS
+from bayescal.report.page.sections.bad_points import study_section
+from bayescal.report.page.sections.provenance import of_documents
 from bayescal.report.page.subject import PageSubject
 from bayescal.report.page.typography import symbol, typeset, visible
 from bayescal.report.terminal import header_lines
@@ -67,6 +70,29 @@ def page_of(
         warning="" if comparison.sound else NOT_SOUND,
         sections=tuple(found),
         made_by=f"bayescal {bayescal.__version__}, {origin['created']}",
+    )
+
+
+def study_page(study: OutlierStudy, command: str) -> Page:
+    """Collect what a page of bad points alone shows.
+
+    Parameters
+    ----------
+    study : OutlierStudy
+    command : str
+        How it was asked for, for the provenance.
+
+    Returns
+    -------
+    Page
+    """
+    kept = outliers_document(study, command)
+    return Page(
+        title="Bad points of a camera calibration",
+        about=(f"{len(study.points)} points from {study.points.source}.",),
+        warning="" if study.sound else "Not sound: an evidence should not be trusted.",
+        sections=(study_section(study), of_documents({"outliers": kept})),
+        made_by=f"bayescal {bayescal.__version__}, {kept['provenance']['created']}",
     )
 
 
