@@ -132,7 +132,8 @@ def _compared(options: argparse.Namespace) -> Comparison:
     from bayescal.api.axes import compare
 
     points = shared.points(options)
-    models = len(shared.orders_of(options)) * shared.axes_of(options)
+    # Each axis's orders, and last its noise models.
+    models = (len(shared.orders_of(options)) + 1) * shared.axes_of(options)
     with shared.Progress(options, models) as progress:
         return compare(
             points,

@@ -38,7 +38,7 @@ DOCUMENT = {
 }
 AXIS = {
     "order": int,
-    "points": [{"label": str, "bad_probability": NUMBER}],
+    "points": [{"label": str, "bad_probability": NUMBER, "weight": NUMBER}],
     "treatments": [{"name": str, "log_evidence": dict}],
 }
 
@@ -132,10 +132,12 @@ def _disagreement(run: RunFiles, study: OutlierStudy) -> str | None:
                         f"in the run but {made} now"
                     )
         for old, new in zip(was["points"], now[name]["points"], strict=True):
-            one, other = old["bad_probability"], new["bad_probability"]
-            if old["label"] != new["label"] or not alike(one, other):
-                return (
-                    f"point {old['label']} of {name} is bad with probability {one} in the run "
-                    f"but {new['label']} with {other} from its draws"
-                )
+            if old["label"] != new["label"]:
+                return f"point {old['label']} of {name} stands where {new['label']} does now"
+            for key in ("bad_probability", "weight"):
+                if not alike(old[key], new[key]):
+                    return (
+                        f"{key} of point {old['label']} of {name} is {old[key]} in the run but "
+                        f"{new[key]} from its draws"
+                    )
     return None
