@@ -135,7 +135,7 @@ def footnotes(axis: AxisOutliers, significance: float, *, everything: bool) -> l
     rest = [v for k, v in values.items() if k != winner.order]
     lines = [
         f"P(bad): outlier mixture; weight t: Student-t noise; rejected: chi-squared test, "
-        f"{100 * significance:g} % for all points together. ± below: of the model's prediction, "
+        f"{100 * significance:g} % for all points together. ± of a prediction: of the model, "
         "without the noise of a reading."
     ]
     if rest:
