@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
 from bayescal.comparison.leave_one_out import leave_one_out
-from bayescal.comparison.noise_evidence import NoiseEvidence, noise_evidence
+from bayescal.comparison.noise_evidence import NoiseEvidence, Sampler, noise_evidence
 from bayescal.comparison.outlier_results import AxisOutliers, OutlierStudy, Treatment
 from bayescal.comparison.outliers import (
     Elimination,
@@ -48,6 +48,7 @@ def find_outliers(
     noises: tuple[StudentT, OutlierMixture],
     rejection: RejectionRule,
     tell: Callable[[str], None],
+    sampled: Sampler | None = None,
 ) -> OutlierStudy:
     """Study the bad points of each axis wanted.
 
@@ -64,6 +65,8 @@ def find_outliers(
     rejection : RejectionRule
     tell : callable
         Called with the axis before each noise model is sampled.
+    sampled : callable, optional
+        Gives the posteriors of the robust models; by default they are sampled now.
 
     Returns
     -------
@@ -90,9 +93,11 @@ def find_outliers(
                 noises,
                 rejection,
                 np.random.default_rng(seeds),
+                settings.ess,
                 tell,
+                sampled,
             )
-    return OutlierStudy(axes, points, rejection.significance, settings.seed)
+    return OutlierStudy(axes, points, rejection.significance, settings, noises)
 
 
 def _axis(
@@ -103,7 +108,9 @@ def _axis(
     robust: tuple[NoiseModel, NoiseModel],
     rejection: RejectionRule,
     rng: np.random.Generator,
+    ess: int,
     tell: Callable[[str], None],
+    given: Sampler | None,
 ) -> AxisOutliers:
     data, level, words = chosen
     factors = factorise(data, orders[-1])
@@ -117,7 +124,7 @@ def _axis(
     sampled = []
     for noise, child in zip(robust, rng.spawn(2), strict=True):
         tell(data.axis)
-        sampled.append(noise_evidence(data, level, rule, noise, orders, child))
+        sampled.append(noise_evidence(data, level, rule, noise, orders, child, ess, given))
     heavy, mixture = sampled
     best = max((gaussian, heavy, mixture), key=lambda e: e.total)
     order = best.order
@@ -147,7 +154,7 @@ def _axis(
     own = np.ones(len(data)) if data.sd is None else data.sd
     slope = _slope(data, posterior, order) / points.camera_frame()[:, 2]
     shared = shared_errors(data, records, points.world, slope, scale * own)
-    return AxisOutliers(data, level, words, order, records, elimination, treatments, shared)
+    return AxisOutliers(data, level, rule, words, order, records, elimination, treatments, shared)
 
 
 def _closed_form(log_evidence: dict[int, float]) -> NoiseEvidence:

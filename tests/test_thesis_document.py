@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
+from bayescal.comparison.outlier_results import AxisOutliers
 from bayescal.report.render import render
 from bayescal.report.reproduction import reproduction_view
 
@@ -83,3 +84,32 @@ def test_neighbouring_residuals_of_r_are_alike(found):
     """Correlation of successive residuals beyond 2 standard errors of independent ones."""
     e = found["as-written"]["r"][4].before.residuals
     assert e[1:] @ e[:-1] / (e @ e) > 2 / np.sqrt(57)
+
+
+@pytest.mark.parametrize(("axis", "order"), [("r", 4), ("c", 1)])
+def test_what_each_noise_model_says_of_the_points_worth_naming(axis, order):
+    found = bc.outliers(bc.thesis(), [order], axis=axis).axes[axis]
+    rows = [line.strip("| ").split(" | ") for line in TEXT.splitlines()]
+    quoted = {row[1]: row[2:] for row in rows if row[0] == f"{axis}, {order}"}
+    assert {p.label for p in found.suspicious} < set(quoted)
+    named = {p.label: p for p in found.points if p.label in quoted}
+    assert set(named) == set(quoted)
+    for label, (residual, standard, test, weight, chance, measured, predicted) in quoted.items():
+        point = named[label]
+        assert (residual, standard) == (f"{point.residual:+.1f}", f"{point.standardised:+.1f}")
+        assert test == ("removes it" if order in point.rejected_at else "keeps it")
+        assert float(measured) == point.measured
+        # Means of 1000 effective draws of numbers from 0 to 1: se below 0.016, rounded to 0.01.
+        assert float(weight) == pytest.approx(point.weight, abs=0.07)
+        assert float(chance) == pytest.approx(point.bad_probability, abs=0.07)
+        mean, sd = map(float, predicted.split(" ± "))
+        assert mean == pytest.approx(point.predicted, abs=0.2 * point.predicted_sd)
+        assert sd == pytest.approx(point.predicted_sd, rel=0.2)
+    _check_order_of_rows(found, list(quoted))
+
+
+def _check_order_of_rows(found: AxisOutliers, labels: list[str]) -> None:
+    """The table names the most suspicious points, none left out between them."""
+    chances = {p.label: p.bad_probability for p in found.points}
+    least = min(chances[label] for label in labels)
+    assert all(chances[p] < least + 0.07 for p in chances if p not in labels)

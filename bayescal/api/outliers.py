@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from bayescal.comparison.noise_evidence import ESS
 from bayescal.comparison.outlier_results import OutlierStudy
 from bayescal.comparison.rejection import RejectionRule
 from bayescal.errors import InputError
@@ -29,6 +30,7 @@ def outliers(
     bad_offset: bool = False,
     significance: float = SIGNIFICANCE,
     seed: int = 0,
+    ess: int = ESS,
     progress: Callable[[str], None] | None = None,
 ) -> OutlierStudy:
     """Find bad points, and whether the choice of the order depends on them.
@@ -49,6 +51,8 @@ def outliers(
         Infer an offset of the mixture's bad points; by default it is zero.
     significance : float, optional
         Of the chi-squared elimination, family-wise.
+    ess : int, optional
+        Effective samples wanted of every parameter.
     progress : callable, optional
         Called with the axis before each noise model is sampled.
 
@@ -62,7 +66,7 @@ def outliers(
         Where the points can't determine an order, or a setting is not usable.
     """
     wanted = checked_orders(orders)
-    settings = Settings(sigma, prior, tau, seed)
+    settings = Settings(sigma, prior, tau, seed, ess)
     noises = StudentT(nu), OutlierMixture(infers_offset=bad_offset)
     rule = RejectionRule(significance)
     if prior == "flat":

@@ -59,7 +59,7 @@ def add_axis(parser: argparse.ArgumentParser) -> None:
 
 
 def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> None:
-    """Add noise, prior, seed and sampling effort; the latter where `one_noise` is compared.
+    """Add noise, prior, seed and sampling effort.
 
     None of them has a default here: what is not given is left to the public functions, and
     what is given can be told apart.
@@ -86,8 +86,8 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
     _add_noise(parser, choose=one_noise)
     run = parser.add_argument_group("run")
     run.add_argument("--seed", type=int, metavar="N", help="of all randomness (0)")
-    if one_noise:
-        run.add_argument("--ess", type=int, metavar="N", help="effective samples wanted (4000)")
+    default = 4000 if one_noise else 1000
+    run.add_argument("--ess", type=int, metavar="N", help=f"effective samples wanted ({default})")
 
 
 def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
@@ -264,24 +264,31 @@ def axes_of(options: argparse.Namespace) -> int:
 class Progress:
     """A progress bar on a terminal, once a second has passed."""
 
-    def __init__(self, options: argparse.Namespace, total: int) -> None:
+    def __init__(
+        self,
+        options: argparse.Namespace,
+        total: int,
+        doing: str = "sampling",
+        unit: str = "model",
+    ) -> None:
         shown = options.progress
         if shown is None:
             shown = sys.stderr.isatty() and not options.quiet
         self._bar: Any = None
+        self._doing = doing
         if shown:
             from tqdm import tqdm
 
-            self._bar = tqdm(total=total, unit="model", delay=1, leave=False, file=sys.stderr)
+            self._bar = tqdm(total=total, unit=unit, delay=1, leave=False, file=sys.stderr)
 
     def __call__(self, axis: str, order: int) -> None:
         """Count one model more, now being sampled."""
         self.named(f"{axis}, order {order}")
 
     def named(self, what: str) -> None:
-        """Count one thing more, now being sampled, by its name."""
+        """Count one thing more, now being done, by its name."""
         if self._bar is not None:
-            self._bar.set_description(f"sampling {what}", refresh=False)
+            self._bar.set_description(f"{self._doing} {what}", refresh=False)
             self._bar.update()
 
     def __enter__(self) -> Progress:

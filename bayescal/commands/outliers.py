@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import add_output, check_json, code_of, publish
+from bayescal.commands.output import add_output, check_output, code_of, publish
 
 HELP = "find bad points, and whether the order depends on them"
 DESCRIPTION = (
@@ -29,12 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     shared.add_points(parser)
     shared.add_model(parser, one_noise=False)
-    add_output(parser, None)
+    add_output(parser, "write a run: result.json, draws (NetCDF)")
 
 
 def run(options: argparse.Namespace) -> int:
     """Find, print and write; return the exit code."""
-    check_json(options)
+    check_output(options)
     from bayescal.api.outliers import outliers
 
     points = shared.points(options)
@@ -49,10 +50,15 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.report.facts import dumps
     from bayescal.report.outliers import outliers_document, outliers_view
 
+    def write(folder: Path, text: str) -> None:
+        from bayescal.report.outliers_run import write_outliers
+
+        write_outliers(folder, study, text, force=options.force)
+
     publish(
         options,
         lambda: dumps(outliers_document(study, options.command_line)),
-        None,
+        write,
         lambda: outliers_view(study, everything=options.all),
     )
     return code_of(sound=study.sound)

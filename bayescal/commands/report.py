@@ -7,16 +7,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import check_file, exit_code
-from bayescal.errors import InputError
+from bayescal.commands.output import check_file, code_of
+from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
+    from bayescal.comparison.outlier_results import OutlierStudy
     from bayescal.comparison.results import Comparison
+    from bayescal.report.page.blocks import Page
 
 HELP = "one page to attach to a calibration (HTML, PDF)"
 DESCRIPTION = (
     "Write a comparison with its defence as one self-contained HTML page, made now from POINTS or "
-    "reopened from a RUN that compare --out wrote."
+    "reopened from a RUN that compare --out or outliers --out wrote."
 )
 SETTLED = (*shared.COMPARED, *shared.CAMERA, *shared.MODEL)
 
@@ -27,6 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     shared.add_axis(parser)
     shared.add_points(parser)
     shared.add_model(parser)
+    parser.add_argument(
+        "--outliers",
+        action="store_true",
+        help="look for bad points too: a section of their own (about a minute more)",
+    )
     output = parser.add_argument_group("output")
     output.add_argument("--out", required=True, metavar="FILE.html", help="the page")
     output.add_argument(
@@ -44,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Compare or reopen, write the page; return the exit code."""
     from bayescal.files import write_whole
-    from bayescal.report.page.pdf import find_browser, print_pdf
+    from bayescal.report.page.pdf import check_browser, find_browser, print_pdf
 
     out = Path(options.out)
     check_file(options, out)
@@ -54,28 +61,79 @@ def run(options: argparse.Namespace) -> int:
             raise InputError(f"{options.pdf}: is named by --out too; give the PDF another name")
         check_file(options, Path(options.pdf))
         browser = find_browser()
-    result = _reopened(options) if shared.is_run(options, SETTLED) else _compared(options)
-    from bayescal.report.page.page import html, page_of
+        check_browser(browser)
+    if options.outliers and options.prior == "flat":
+        raise InputError("--outliers compares evidences, which a flat prior does not have")
+    page, lines, sound = _page(options)
+    from bayescal.report.page.page import html
 
-    page = page_of(result, options.command_line)
     made = html(page)
+    write_whole(out, made.encode(), force=options.force)
     if browser is not None:
         created = page.made_by.rpartition(" ")[2]
-        write_whole(Path(options.pdf), print_pdf(made, browser, created), force=options.force)
-    write_whole(out, made.encode(), force=options.force)
+        try:
+            write_whole(Path(options.pdf), print_pdf(made, browser, created), force=options.force)
+        except OutputError as error:
+            raise OutputError(f"{error}; {out} is written") from None
     if not options.quiet:
         size = len(made.encode()) / 1e6
         print(f"{out}: {size:.1f} MB" + (f"; {options.pdf}" if browser is not None else ""))
-        for name, order in result.orders.items():
-            print(f"{name}: " + (f"order {order}" if order is not None else "no order"))
-    return exit_code(result)
+        print("\n".join(lines))
+    return code_of(sound=sound)
+
+
+def _page(options: argparse.Namespace) -> tuple[Page, list[str], bool]:
+    """Make the page, what to say of it in a few lines, and whether it is sound."""
+    from bayescal.report.outliers import SCHEMA as OUTLIERS
+    from bayescal.report.page.page import page_of, study_page
+    from bayescal.report.page.sections import SECTIONS
+    from bayescal.report.run_files import schema_of
+
+    kept = shared.is_run(options, SETTLED)
+    if kept and schema_of(Path(options.points)) == OUTLIERS:
+        from bayescal.report.outliers_run import open_outliers
+
+        found = open_outliers(options.points)
+        lines = [f"{name}: {axis.verdict}" for name, axis in found.axes.items()]
+        return study_page(found, options.command_line), lines, found.sound
+    result = _reopened(options) if kept else _compared(options)
+    study = _bad_points(options, result) if options.outliers else None
+    with shared.Progress(options, len(SECTIONS), "drawing", "section") as progress:
+        page = page_of(result, options.command_line, study, progress.named)
+    lines = [
+        f"{name}: " + (f"order {order}" if order is not None else "no order")
+        for name, order in result.orders.items()
+    ]
+    return page, lines, result.sound and (study is None or study.sound)
+
+
+def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy:
+    """Look for bad points under the comparison's own settings."""
+    from bayescal.api.outliers import outliers
+
+    assert result.points is not None, "it was made from points"
+    asked = result.settings
+    with shared.Progress(options, 2 * len(result.axes)) as progress:
+        return outliers(
+            result.points,
+            sorted({r.order for axis in result.axes.values() for r in axis.orders}),
+            axis="both" if len(result.axes) > 1 else next(iter(result.axes)),
+            sigma=asked.sigma,
+            prior=asked.prior,
+            tau=asked.tau,
+            nu=asked.nu,
+            bad_offset=asked.bad_offset,
+            seed=asked.seed,
+            progress=progress.named,
+        )
 
 
 def _compared(options: argparse.Namespace) -> Comparison:
     from bayescal.api.axes import compare
 
     points = shared.points(options)
-    models = len(shared.orders_of(options)) * shared.axes_of(options)
+    # Each axis's orders, and last its noise models.
+    models = (len(shared.orders_of(options)) + 1) * shared.axes_of(options)
     with shared.Progress(options, models) as progress:
         return compare(
             points,

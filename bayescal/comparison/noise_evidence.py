@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,6 +17,7 @@ from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.least_squares import factorise
 from bayescal.inference.model import LinearModel
 from bayescal.inference.robust_linear import RobustLinearModel
+from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.choice import NOISE_MODELS, TYPICAL_SIZE, NoiseChoice
@@ -26,6 +27,8 @@ from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
 from bayescal.rounding import significant
 
+# Gives a model's posterior, by the model's name: sampled now, or read from where it was kept.
+Sampler = Callable[[str, SampledModel, np.random.Generator, int], SampledPosterior]
 # Effective samples of a posterior of which only the evidence and means are wanted.
 ESS = 1000
 # 2 ln B above which another noise model is worth more than a bare mention (Kass & Raftery).
@@ -87,6 +90,8 @@ def noise_evidence(
     noise: NoiseModel,
     orders: Sequence[int],
     rng: np.random.Generator,
+    ess: int = ESS,
+    sampled: Sampler | None = None,
 ) -> NoiseEvidence:
     """Evidence of orders under a noise model: in closed form, or sampled.
 
@@ -99,6 +104,10 @@ def noise_evidence(
     noise : NoiseModel
     orders : sequence of int
     rng : numpy.random.Generator
+    ess : int, optional
+        Effective samples wanted of every parameter.
+    sampled : callable, optional
+        Gives the posteriors; by default they are sampled now.
     """
     if isinstance(noise, Gaussian):
         factors = factorise(data, max(orders))
@@ -110,12 +119,25 @@ def noise_evidence(
         }
         return NoiseEvidence(noise.name, exact, dict.fromkeys(orders, 0.0), {}, {})
     posteriors = {
-        k: sample_model(
-            RobustLinearModel.of_order(data, k, level, rule.of_order(k), noise), child, ESS
+        k: (sampled or _now)(
+            model_name(data.axis, noise.name, k),
+            RobustLinearModel.of_order(data, k, level, rule.of_order(k), noise),
+            child,
+            ess,
         )
         for k, child in zip(orders, rng.spawn(len(orders)), strict=True)
     }
     return from_posteriors(noise.name, posteriors)
+
+
+def model_name(axis: str, noise: str, order: int) -> str:
+    """Name of a sampled model, under which a run keeps its draws."""
+    return f"{axis}-{noise}-order-{order}"
+
+
+def _now(_: str, model: SampledModel, rng: np.random.Generator, ess: int) -> SampledPosterior:
+    """Sample a model."""
+    return sample_model(model, rng, ess)
 
 
 def from_posteriors(name: str, posteriors: Mapping[int, SampledPosterior]) -> NoiseEvidence:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison.evidence import strength
 from bayescal.comparison.noise_evidence import ERRORS, MENTION, NoiseEvidence, in_words
@@ -11,8 +12,14 @@ from bayescal.comparison.shared_errors import SharedError
 from bayescal.comparison.verdict import percent
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.noise.outlier_mixture import OutlierMixture
+from bayescal.models.noise.student_t import StudentT
+from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import rounded, significant
+
+if TYPE_CHECKING:
+    from bayescal.settings import Settings
 
 # 2 ln B above which Gaussian noise is called wrong rather than doubtful: strong evidence.
 STRONG = 6.0
@@ -45,6 +52,7 @@ class AxisOutliers:
     ----------
     data : AxisData
     level : NoiseLevel
+    prior : PriorRule
     noise_source : str
         How the noise level was chosen, in words.
     order : int
@@ -62,6 +70,7 @@ class AxisOutliers:
 
     data: AxisData
     level: NoiseLevel
+    prior: PriorRule
     noise_source: str
     order: int
     points: tuple[PointRecord, ...]
@@ -197,13 +206,20 @@ class OutlierStudy:
     points : Correspondences
     significance : float
         Of the chi-squared elimination, family-wise.
-    seed : int
+    settings : Settings
+        Noise level, prior, seed and sampling effort.
+    noises : tuple of StudentT, OutlierMixture
+        The noise models that know bad points.
+    origin : dict or None
+        The provenance of the run it was read from; None where it was computed just now.
     """
 
     axes: dict[str, AxisOutliers]
     points: Correspondences
     significance: float
-    seed: int
+    settings: Settings
+    noises: tuple[StudentT, OutlierMixture]
+    origin: dict[str, Any] | None = None
 
     @property
     def sound(self) -> bool:

@@ -18,7 +18,7 @@ from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
-from bayescal.rounding import plain
+from bayescal.rounding import plain, significant
 
 if TYPE_CHECKING:  # a plain comparison does not pay for the defence
     from bayescal.comparison.adequacy.outcome import AdequacyTest
@@ -161,7 +161,7 @@ class AxisComparison:
             [
                 f"{r.order} (recommended)" if r.order == best else f"{r.order}",
                 plain(r.rss_px2),
-                _shown(r.fit.sigma_hat, ".3g"),
+                "" if r.fit.sigma_hat is None else significant(r.fit.sigma_hat, 3),
                 _shown(r.criteria.aicc, ".1f"),
                 _shown(r.criteria.bic, ".1f"),
                 _shown(r.log_evidence, ".2f"),

@@ -22,7 +22,7 @@ def disagreement(kept: dict[str, Any], made: dict[str, Any]) -> str | None:
                 ("log_likelihood_max", "maximum of the log likelihood"),
                 ("probability", "probability"),
             ):
-                if not _alike(old[key], new[key]):
+                if not alike(old[key], new[key]):
                     return f"the {words} of {place} is {old[key]} in the run but {new[key]} now"
             for one, other in zip(old["coefficients"], new["coefficients"], strict=True):
                 if abs(one["mean"] - other["mean"]) > NATS * one["sd"]:
@@ -36,7 +36,8 @@ def disagreement(kept: dict[str, Any], made: dict[str, Any]) -> str | None:
     return None
 
 
-def _alike(one: float | None, other: float | None) -> bool:
+def alike(one: float | None, other: float | None) -> bool:
+    """Whether two numbers are the same but for rounding, or both are missing."""
     if one is None or other is None:
         return one is other
     return math.isclose(one, other, rel_tol=ROUNDING, abs_tol=NATS)

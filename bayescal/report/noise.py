@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bayescal.comparison.results import AxisComparison
+from bayescal.models.linear import AxisData
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.noise.outlier_mixture import OutlierMixture
@@ -17,14 +18,14 @@ NU_PRIOR = f"~ Gamma(shape {SHAPE:g}, rate {RATE:g})"
 
 def noise_kind(axis: AxisComparison) -> str:
     """Say what the noise is about its level, its priors, and where its level comes from."""
-    words, level = shape_words(axis.noise_model, axis), axis.noise_source
+    words, level = shape_words(axis.noise_model, axis.data), axis.noise_source
     own = "its scale " if isinstance(axis.noise_model, StudentT) else ""
     return f"{words}{';' if axis.noise_model.parameters or own else ','} {own}sigma {level}"
 
 
-def shape_words(noise: NoiseModel, axis: AxisComparison) -> str:
+def shape_words(noise: NoiseModel, data: AxisData) -> str:
     """Say what a noise model is, with its priors."""
-    unit = "units of y" if axis.data.axis == "y" else "px"
+    unit = "units of y" if data.axis == "y" else "px"
     if isinstance(noise, StudentT):
         return f"Student-t, nu {NU_PRIOR if noise.nu is None else f'= {noise.nu:g}'}"
     if isinstance(noise, OutlierMixture):

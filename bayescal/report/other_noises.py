@@ -15,7 +15,7 @@ from bayescal.rounding import significant
 
 def other_noise_lines(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> list[str]:
     """Say under which priors the other noise models were judged."""
-    words = "; ".join(shape_words(named(found.name, axis.data), axis) for found in noises)
+    words = "; ".join(shape_words(named(found.name, axis.data), axis.data) for found in noises)
     return [f"Other noise: {words}. Coefficients and sigma have the priors above."]
 
 

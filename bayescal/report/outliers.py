@@ -135,7 +135,7 @@ def footnotes(axis: AxisOutliers, significance: float, *, everything: bool) -> l
     rest = [v for k, v in values.items() if k != winner.order]
     lines = [
         f"P(bad): outlier mixture; weight t: Student-t noise; rejected: chi-squared test, "
-        f"{100 * significance:g} % for all points together. ± below: of the model's prediction, "
+        f"{100 * significance:g} % for all points together. ± of a prediction: of the model, "
         "without the noise of a reading."
     ]
     if rest:
@@ -207,15 +207,30 @@ def outliers_document(study: OutlierStudy, command: str) -> dict[str, Any]:
     """
     return {
         "schema": SCHEMA,
-        "provenance": {
+        "provenance": study.origin
+        or {
             **versions(),
             "command": command,
-            "seed": study.seed,
+            "seed": study.settings.seed,
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
         },
         "data": points_facts(study.points),
         "significance": study.significance,
+        "settings": _settings(study),
         "axes": {name: _axis_document(axis) for name, axis in study.axes.items()},
+    }
+
+
+def _settings(study: OutlierStudy) -> dict[str, Any]:
+    asked, (heavy, mixture) = study.settings, study.noises
+    return {
+        "sigma": asked.sigma,
+        "prior": asked.prior,
+        "tau": asked.tau,
+        "seed": asked.seed,
+        "ess": asked.ess,
+        "nu": heavy.nu,
+        "bad_offset": mixture.infers_offset,
     }
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,10 @@ from bayescal.analysis import model_name
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.errors import InputError
 from bayescal.files import RESULT, FolderKind, check_folder, write_folder
-from bayescal.inference.arviz_bridge import write_netcdf
+from bayescal.inference.arviz_bridge import Draws, write_netcdf
 from bayescal.inference.posterior import Posterior
 from bayescal.inference.stored import pack, pack_sampled
+from bayescal.models.linear import AxisData
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.writer import to_csv, to_toml
 from bayescal.report.document import document
@@ -89,20 +91,61 @@ def write_run(folder: Path, comparison: Comparison, result_json: str, *, force: 
     points = comparison.points
     if points is None:
         raise InputError("a run holds world points and pixels; this comparison is of plain arrays")
+    draws = {
+        model_name(axis.data.axis, result.order): _draws(axis, result)
+        for axis in comparison.axes.values()
+        for result in axis.orders
+    }
+
+    def pictures(made: Path) -> None:
+        for name in comparison.axes:
+            _write_corner(made / f"corner-{name}.png", comparison, name)
+
+    fill_run(folder, points, result_json, draws, pictures, force=force)
+
+
+def fill_run(
+    folder: Path,
+    points: Correspondences,
+    result_json: str,
+    draws: Mapping[str, Draws],
+    pictures: Callable[[Path], None] | None = None,
+    *,
+    force: bool,
+) -> None:
+    """Write what every run holds, whole or not at all.
+
+    Parameters
+    ----------
+    folder : Path
+    points : Correspondences
+    result_json : str
+        The result document.
+    draws : mapping of str to Draws
+        By the model's name.
+    pictures : callable, optional
+        Given the folder, adds what nothing is read from.
+    force : bool
+        Replace an earlier run.
+
+    Raises
+    ------
+    OutputError
+        Where it can't be written; nothing is left behind.
+    """
 
     def fill(made: Path) -> None:
         texts = {RESULT: result_json, POINTS: to_csv(points), SETUP: to_toml(points.setup)}
         for name, text in texts.items():
             (made / name).write_bytes(text.encode())
         (made / DRAWS).mkdir()
-        for axis in comparison.axes.values():
-            for result in axis.orders:
-                _write_draws(made / draws_name(axis.data.axis, result.order), axis, result)
+        for name, kept in draws.items():
+            write_netcdf(made / DRAWS / f"{name}.nc", kept)
         names = sorted(p.relative_to(made).as_posix() for p in made.rglob("*") if p.is_file())
         hashes = {name: digest((made / name).read_bytes()) for name in names}
         (made / MANIFEST).write_bytes((json.dumps(_manifest(points, hashes)) + "\n").encode())
-        for name in comparison.axes:
-            _write_corner(made / f"corner-{name}.png", comparison, name)
+        if pictures is not None:
+            pictures(made)
 
     write_folder(folder, RUN, fill, force=force)
 
@@ -122,29 +165,29 @@ def digest(raw: bytes) -> str:
     return hashlib.sha256(raw).hexdigest()
 
 
-def draws_name(axis: str, order: int) -> str:
-    """Place of a model's draws in a run."""
-    return f"{DRAWS}/{model_name(axis, order)}.nc"
-
-
-def _write_draws(path: Path, axis: AxisComparison, result: OrderResult) -> None:
+def _draws(axis: AxisComparison, result: OrderResult) -> Draws:
     posterior = result.posterior
     draws = (
         pack(posterior.chain, posterior.names)
         if isinstance(posterior, Posterior)
         else pack_sampled(posterior)
     )
-    draws.groups["observed_data"] = {"pixel": axis.data.t, "regressor": axis.data.x}
+    return described(draws, axis.data, result.order)
+
+
+def described(draws: Draws, data: AxisData, order: int) -> Draws:
+    """Add to draws what a reader who knows nothing of bayescal needs: data, axis, units."""
+    draws.groups["observed_data"] = {"pixel": data.t, "regressor": data.x}
     draws.described.update(
         {
-            "axis": axis.data.axis,
-            "regressor": axis.data.regressor,
-            "order": result.order,
+            "axis": data.axis,
+            "regressor": data.regressor,
+            "order": order,
             "units": "coefficients and sigma in px, tau a fraction of the image, scale a factor",
             "inference_library": "emcee",
         }
     )
-    write_netcdf(path, draws)
+    return draws
 
 
 def _write_corner(path: Path, comparison: Comparison, name: str) -> None:

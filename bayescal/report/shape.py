@@ -31,21 +31,27 @@ DOCUMENT = {
 }
 
 
-def misshapen(found: Mapping[str, Any]) -> str | None:
+def misshapen(
+    found: Mapping[str, Any],
+    shape: Mapping[str, Any] = DOCUMENT,
+    axis_shape: Mapping[str, Any] = AXIS,
+) -> str | None:
     """Name the first thing that a result document lacks or has of another kind; None: nothing.
 
     Parameters
     ----------
     found : mapping
         The document.
+    shape, axis_shape : mapping, optional
+        What all of it must hold, and each of its axes; of a comparison by default.
     """
-    wrong = _misfit(found, DOCUMENT, "")
+    wrong = _misfit(found, shape, "")
     if wrong is not None:
         return wrong
     axes = found["axes"]
     if not axes or not set(axes) <= {"r", "c"}:
         return "axes"
-    misfits = (_misfit(axis, AXIS, f"axes.{name}") for name, axis in axes.items())
+    misfits = (_misfit(axis, axis_shape, f"axes.{name}") for name, axis in axes.items())
     return next((m for m in misfits if m is not None), None)
 
 

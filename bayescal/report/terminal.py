@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from textwrap import fill
 
 from rich.console import Group, RenderableType
 from rich.padding import Padding
@@ -10,7 +11,7 @@ from rich.text import Text
 
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.models.noise.gaussian import GAUSSIAN
-from bayescal.models.priors import TAU_BOUNDS
+from bayescal.models.priors import TAU_BOUNDS, PriorRule
 from bayescal.report.noise import level_words, noise_kind, robust_footnotes
 from bayescal.report.render import WIDTH as WIDTH
 from bayescal.report.render import indented, laid_out, listed
@@ -106,7 +107,10 @@ def axis_title(axis: AxisComparison) -> RenderableType:
 
 def _assumed(axis: AxisComparison) -> Text:
     prior = prior_words(axis).replace("; tau", ";\n         tau")
-    return Text(f"  noise: {noise_words(axis)}\n  prior: {prior}")
+    noise = fill(  # robust noise has many words: what wraps stands below them, not the margin
+        noise_words(axis), WIDTH, initial_indent="  noise: ", subsequent_indent=" " * 9
+    )
+    return Text(f"{noise}\n  prior: {prior}")
 
 
 def noise_words(axis: AxisComparison) -> str:
@@ -115,8 +119,12 @@ def noise_words(axis: AxisComparison) -> str:
 
 
 def prior_words(axis: AxisComparison) -> str:
-    """Name the prior and its numbers."""
-    rule = axis.prior
+    """Name the prior of an axis and its numbers."""
+    return rule_words(axis.prior)
+
+
+def rule_words(rule: PriorRule) -> str:
+    """Name a prior and its numbers."""
     if rule.name == "flat":
         return "flat; improper, so that there is no evidence and no probability of an order"
     if rule.name == "stated":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
 
@@ -9,11 +10,15 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 import bayescal
+from bayescal.comparison.outlier_results import OutlierStudy
 from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
 from bayescal.report.document import document
+from bayescal.report.outliers import outliers_document
 from bayescal.report.page.blocks import Page
 from bayescal.report.page.sections import SECTIONS
+from bayescal.report.page.sections.bad_points import study_section
+from bayescal.report.page.sections.provenance import of_documents
 from bayescal.report.page.subject import PageSubject
 from bayescal.report.page.typography import symbol, typeset, visible
 from bayescal.report.terminal import header_lines
@@ -24,7 +29,12 @@ NOT_SOUND = (
 )
 
 
-def page_of(comparison: Comparison, command: str) -> Page:
+def page_of(
+    comparison: Comparison,
+    command: str,
+    study: OutlierStudy | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Page:
     """Collect everything that a page shows.
 
     Parameters
@@ -32,13 +42,23 @@ def page_of(comparison: Comparison, command: str) -> Page:
     comparison : Comparison
     command : str
         How it was asked for, for the provenance.
+    study : OutlierStudy, optional
+        The bad points of the same data, shown in a section of their own.
+    progress : callable, optional
+        Called with a section's name before it is made: drawing takes most of the time.
 
     Returns
     -------
     Page
     """
-    subject = PageSubject(comparison, document(comparison, command))
-    found = [made for section in SECTIONS if (made := section(subject)) is not None]
+    subject = PageSubject(comparison, document(comparison, command), study)
+    found = []
+    for section in SECTIONS:
+        if progress is not None:
+            progress(section.__module__.rpartition(".")[2].replace("_", " "))
+        made = section(subject)
+        if made is not None:
+            found.append(made)
     pairs = [f"{len(subject.axes[0].data)} pairs of x and y"] * (comparison.points is None)
     lines = [*pairs, *header_lines(comparison)]
     origin = subject.document["provenance"]
@@ -50,6 +70,29 @@ def page_of(comparison: Comparison, command: str) -> Page:
         warning="" if comparison.sound else NOT_SOUND,
         sections=tuple(found),
         made_by=f"bayescal {bayescal.__version__}, {origin['created']}",
+    )
+
+
+def study_page(study: OutlierStudy, command: str) -> Page:
+    """Collect what a page of bad points alone shows.
+
+    Parameters
+    ----------
+    study : OutlierStudy
+    command : str
+        How it was asked for, for the provenance.
+
+    Returns
+    -------
+    Page
+    """
+    kept = outliers_document(study, command)
+    return Page(
+        title="Bad points of a camera calibration",
+        about=(f"{len(study.points)} points from {study.points.source}.",),
+        warning="" if study.sound else "Not sound: an evidence should not be trusted.",
+        sections=(study_section(study), of_documents({"outliers": kept})),
+        made_by=f"bayescal {bayescal.__version__}, {kept['provenance']['created']}",
     )
 
 

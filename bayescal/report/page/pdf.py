@@ -45,6 +45,17 @@ def find_browser() -> str:
     )
 
 
+def check_browser(browser: str) -> None:
+    """Print one empty page, so that a browser that can't is known before any work is done.
+
+    Raises
+    ------
+    OutputError
+        As `print_pdf`.
+    """
+    print_pdf("<!DOCTYPE html><title>empty</title>", browser, "1970-01-01T00:00:00+00:00")
+
+
 def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -> bytes:
     """Print a page on A4.
 

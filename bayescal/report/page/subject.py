@@ -11,6 +11,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from PIL import Image
 
+from bayescal.comparison.outlier_results import OutlierStudy
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import KINDS
@@ -32,10 +33,13 @@ class PageSubject:
     comparison : Comparison
     document : dict
         The result document that the page embeds.
+    study : OutlierStudy or None
+        Its bad points, where they were looked for.
     """
 
     comparison: Comparison
     document: dict[str, Any]
+    study: OutlierStudy | None = None
 
     @property
     def axes(self) -> tuple[AxisComparison, ...]:
@@ -82,8 +86,25 @@ class PageSubject:
         except InputError as error:
             return Prose(f"No figure of {KINDS[kind].summary}: {error}.", "note")
         name = "-".join(str(part) for part in ("figure", kind, axis, order) if part is not None)
-        width, height = (round(CSS_PX * float(side)) for side in figure.get_size_inches())
-        return Picture(name, embedded(figure, dpi), alt, caption, width, height)
+        return pictured(name, figure, alt, caption, dpi)
+
+
+def pictured(
+    name: str, figure: Figure, alt: str, caption: str, dpi: float | None = None
+) -> Picture:
+    """Put a figure on the page.
+
+    Parameters
+    ----------
+    name : str
+        Unique on the page.
+    figure : matplotlib.figure.Figure
+    alt, caption : str
+    dpi : float, optional
+        As `PageSubject.picture`.
+    """
+    width, height = (round(CSS_PX * float(side)) for side in figure.get_size_inches())
+    return Picture(name, embedded(figure, dpi), alt, caption, width, height)
 
 
 def axis_title(axis: AxisComparison) -> str:

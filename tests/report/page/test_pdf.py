@@ -43,6 +43,43 @@ def test_a_browser_that_fails_is_said():
         print_pdf("<p>", broken, CREATED)
 
 
+def test_a_browser_that_cannot_print_is_said_before_any_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("PATH", str(_browser(tmp_path, "exit 1").parent))
+    page, pdf = tmp_path / "a.html", tmp_path / "a.pdf"
+    # Orders no points can determine: an analysis would have complained of them.
+    done = here("report", "--orders", "20", "--out", page, "--pdf", pdf)
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert "printed no whole PDF" in done.err
+    assert not page.exists()
+
+
+def test_a_browser_that_dies_later_leaves_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, chromium: str
+):
+    mark = tmp_path / "used"
+    once = f'if [ -e "{mark}" ]; then exit 1; fi; : > "{mark}"; exec "{chromium}" "$@"'
+    found = _browser(tmp_path, once)
+    monkeypatch.setenv("PATH", str(found.parent), prepend=":")
+    page, pdf = tmp_path / "a.html", tmp_path / "a.pdf"
+    options = ("--orders", "1", "--axis", "c", "--ess", "200")
+    done = here("report", *options, "--out", page, "--pdf", pdf)
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert f"{page} is written" in done.err
+    assert "</html>" in page.read_text(encoding="utf-8")
+    assert not pdf.exists()
+
+
+def _browser(folder: Path, does: str) -> Path:
+    """Put a program of a browser's name into a folder of its own."""
+    (folder / "programs").mkdir()
+    made = folder / "programs" / "chromium"
+    made.write_text(f"#!/bin/sh\n{does}\n")
+    made.chmod(0o755)
+    return made
+
+
 def test_a_run_gives_page_and_pdf(tmp_path: Path):
     run, page, pdf = tmp_path / "run", tmp_path / "a.html", tmp_path / "a.pdf"
     options = ["--orders", "1", "--axis", "c", "--ess", "400", "--quiet"]

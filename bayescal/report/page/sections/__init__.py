@@ -7,6 +7,7 @@ from collections.abc import Callable
 from bayescal.report.page.blocks import Section
 from bayescal.report.page.sections import (
     adequacy,
+    bad_points,
     chains,
     coefficients,
     curve,
@@ -30,6 +31,7 @@ SECTIONS: tuple[Callable[[PageSubject], Section | None], ...] = (
     prediction.section,
     stability.section,
     adequacy.section,
+    bad_points.section,
     residuals.section,
     curve.section,
     coefficients.section,

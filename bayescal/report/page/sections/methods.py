@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from bayescal.comparison.results import AxisComparison
 from bayescal.inference.posterior import Posterior
 from bayescal.models.noise.gaussian import GAUSSIAN
-from bayescal.models.priors import TAU_BOUNDS
+from bayescal.models.priors import TAU_BOUNDS, PriorRule
 from bayescal.report.page.blocks import Block, Listing, Prose, Section
 from bayescal.report.page.subject import PageSubject
 from bayescal.report.terminal import noise_words
@@ -65,27 +64,31 @@ def _models(subject: PageSubject) -> Iterable[str]:
     )
     for axis in subject.axes:
         yield f"The noise of {axis.data.axis} was {noise_words(axis)}."
-    yield from _prior(first)
-
-
-def _prior(axis: AxisComparison) -> Iterable[str]:
-    rule = axis.prior
-    if rule.name == "flat":
-        yield "The coefficients had a flat prior, under which models have no evidence."
-    elif rule.name == "stated":
-        yield "The Legendre amplitudes of the polynomials had the normal priors of the setup file."
+    priors = {axis.data.axis: _prior(axis.prior) for axis in subject.axes}
+    if len(set(priors.values())) == 1:
+        yield _prior(first.prior)
     else:
-        low, high = TAU_BOUNDS
-        strength = (
-            f"tau log-uniform from {low:g} to {high:g} and averaged over"
-            if rule.tau is None
-            else f"tau = {rule.tau:g}"
+        yield " ".join(
+            f"For {name}, {words[0].lower()}{words[1:]}" for name, words in priors.items()
         )
-        yield (
-            "In Legendre polynomials of the regressor scaled to [-1, 1], the amplitudes of orders "
-            "0 and 1 had normal priors with sds of half the image, those of higher orders normal "
-            f"priors about zero with sds of tau times the image, {strength}."
-        )
+
+
+def _prior(rule: PriorRule) -> str:
+    if rule.name == "flat":
+        return "The coefficients had a flat prior, under which models have no evidence."
+    if rule.name == "stated":
+        return "The Legendre amplitudes of the polynomials had the normal priors of the setup file."
+    low, high = TAU_BOUNDS
+    strength = (
+        f"tau log-uniform from {low:g} to {high:g} and averaged over"
+        if rule.tau is None
+        else f"tau = {rule.tau:g}"
+    )
+    return (
+        "In Legendre polynomials of the regressor scaled to [-1, 1], the amplitudes of orders "
+        "0 and 1 had normal priors with sds of half the image, those of higher orders normal "
+        f"priors about zero with sds of tau times the image, {strength}."
+    )
 
 
 def _inference(subject: PageSubject, cite: Cite) -> Iterable[str]:
@@ -115,10 +118,21 @@ def _inference(subject: PageSubject, cite: Cite) -> Iterable[str]:
 
 def _checks(subject: PageSubject, cite: Cite) -> Iterable[str]:
     if all(axis.noise_model.name == GAUSSIAN.name for axis in subject.axes):
-        yield (
-            "For comparison, AICc and BIC were computed from the full maximised likelihood "
-            f"{cite('aicc')}, {cite('bic')}."
-        )
+        results = [r.criteria for axis in subject.axes for r in axis.orders]
+        criteria = [
+            words if all(known) else f"{words} (where it is defined)"
+            for words, known in (
+                (f"AICc {cite('aicc')}", [c.aicc is not None for c in results]),
+                (f"BIC {cite('bic')}", [c.bic is not None for c in results]),
+            )
+            if any(known)
+        ]
+        if criteria:
+            yield (
+                f"For comparison, {' and '.join(criteria)} "
+                f"{'were' if len(criteria) > 1 else 'was'} computed from the full maximised "
+                "likelihood."
+            )
     defences = [axis.defence for axis in subject.axes if axis.defence is not None]
     if any(d.prediction for d in defences):
         yield (

@@ -2,34 +2,56 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from bayescal.report.facts import dumps
+from bayescal.report.outliers import outliers_document
 from bayescal.report.page.blocks import Block, Embedded, Facts, Prose, Section
 from bayescal.report.page.subject import PageSubject
 
 
 def section(subject: PageSubject) -> Section:
     """Show data, settings and versions, and keep the result document for machines."""
-    found = subject.document
-    data, settings, origin = found["data"], found["settings"], found["provenance"]
-    chosen = {name: value for name, value in settings.items() if value is not None}
+    command = str(subject.document["provenance"]["command"])
+    documents = {"result": subject.document}
+    if subject.study is not None:
+        documents["outliers"] = outliers_document(subject.study, command)
+    return of_documents(documents)
+
+
+def of_documents(documents: Mapping[str, dict[str, Any]]) -> Section:
+    """Show where documents come from, as the first of them says, and keep them.
+
+    Parameters
+    ----------
+    documents : mapping of str to dict
+        Result documents by the names to keep them under.
+    """
+    found = next(iter(documents.values()))
+    chosen = {name: value for name, value in found["settings"].items() if value is not None}
     blocks: list[Block] = [
-        Facts(tuple((_words(k), _value(v)) for k, v in origin.items()), verbatim=True),
-        Facts(tuple((_words(k), _value(v)) for k, v in data.items()), verbatim=True),
-        Facts(tuple((_words(k), _value(v)) for k, v in chosen.items()), verbatim=True),
-        Prose(
-            "The result document below holds every number of this page, at full precision, for "
-            "programs: JSON, schema " + str(found["schema"]) + "."
-        ),
-        Embedded("result", dumps(found).replace("<", "\\u003c"), "result.json"),
+        Facts(tuple((_words(k), _value(v)) for k, v in facts.items()), verbatim=True)
+        for facts in (found["provenance"], found["data"], chosen)
     ]
+    blocks.append(
+        Prose(
+            "What is kept below holds every number of this page, at full precision, for programs: "
+            f"JSON, schema {' and '.join(str(d['schema']) for d in documents.values())}."
+        )
+    )
+    blocks += [_kept(name, document) for name, document in documents.items()]
     return Section(
         "provenance",
         "Provenance",
         "The same points, seed and versions give the same numbers.",
         tuple(blocks),
     )
+
+
+def _kept(name: str, document: dict[str, Any]) -> Embedded:
+    """Keep a document in the page; no text in it can end the element that holds it."""
+    return Embedded(name, dumps(document).replace("<", "\\u003c"), f"{name}.json")
 
 
 def _words(name: str) -> str:

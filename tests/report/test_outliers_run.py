@@ -1,0 +1,110 @@
+"""An analysis of bad points on disk: reopened it says the same, and what is spoilt is refused."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import pytest
+
+import bayescal as bc
+from bayescal.errors import InputError
+from bayescal.inference.arviz_bridge import parse_netcdf
+from bayescal.report.outliers import outliers_document
+from bayescal.report.outliers_run import open_outliers
+from bayescal.report.run import digest
+from tests.report.command import here
+
+OPTIONS = ("--axis", "c", "--orders", "1-2", "--ess", "200", "--nu", "4")
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("outliers") / "run"
+    done = here("outliers", *OPTIONS, "--out", folder, "--quiet")
+    assert done.code == 0, done.err
+    return folder
+
+
+def test_reopened_it_is_the_same(run):
+    kept = json.loads((run / "result.json").read_text())
+    made = json.loads(json.dumps(outliers_document(open_outliers(run), "another command")))
+    assert made == kept
+
+
+def test_settings_reach_the_analysis(run):
+    kept = json.loads((run / "result.json").read_text())
+    assert (kept["settings"]["ess"], kept["settings"]["nu"]) == (200, 4.0)
+    direct = bc.outliers(bc.thesis(), [1, 2], axis="c", ess=200, nu=4)
+    assert json.loads(json.dumps(outliers_document(direct, "")["axes"])) == kept["axes"]
+
+
+def test_draws_of_every_sampled_model_are_kept(run):
+    names = {path.name for path in (run / "draws").iterdir()}
+    assert names == {
+        f"c-{noise}-order-{k}.nc" for noise in ("student-t", "outlier-mixture") for k in (1, 2)
+    }
+    draws = parse_netcdf((run / "draws" / "c-outlier-mixture-order-1.nc").read_bytes())
+    assert {"beta_0", "beta_1", "sigma"} <= set(draws.groups["posterior"])
+
+
+def test_report_shows_the_section(run, tmp_path):
+    page = tmp_path / "a.html"
+    done = here("report", run, "--out", page)
+    assert done.code == 0, done.err
+    assert "Order 1 wins" in done.out
+    text = page.read_text(encoding="utf-8")
+    assert 'id="bad-points"' in text
+    assert 'href="#bad-points"' in text
+    assert "Points 16 and 19 share" in text
+
+
+def test_other_readers_refuse_it(run, tmp_path):
+    with pytest.raises(InputError, match="outliers/1"):
+        bc.open_run(run)
+    done = here("plot", "verdict", run, "--out", tmp_path / "a.png")
+    assert (done.code, done.err.count("\n")) == (2, 1)
+
+
+def _changed(run, folder, change):
+    """Copy of the run whose document was changed, and signed anew."""
+    shutil.copytree(run, folder)
+    document = json.loads((folder / "result.json").read_text())
+    change(document)
+    (folder / "result.json").write_text(json.dumps(document))
+    manifest = json.loads((folder / "run.json").read_text())
+    manifest["files"]["result.json"] = digest((folder / "result.json").read_bytes())
+    (folder / "run.json").write_text(json.dumps(manifest))
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            lambda d: d["axes"]["c"]["points"][0].update(bad_probability=0.5),
+            "bad_probability of point 16",
+        ),
+        (
+            lambda d: d["axes"]["c"]["treatments"][3]["log_evidence"].update({"1": -150.0}),
+            "log evidence of c, order 1 under the outlier mixture",
+        ),
+        (lambda d: d["settings"].update(nu=-1.0), "nu must be"),
+        (lambda d: d["settings"].pop("tau"), "settings.tau is missing"),
+        (lambda d: d["settings"].update(nu=3.0), "weight of point"),
+    ],
+)
+def test_other_numbers_than_computed_are_refused(run, tmp_path, change, words):
+    folder = _changed(run, tmp_path / "changed", change)
+    with pytest.raises(InputError, match=words):
+        open_outliers(folder)
+
+
+def test_a_cut_off_file_is_refused(run, tmp_path):
+    folder = tmp_path / "cut"
+    shutil.copytree(run, folder)
+    draws = folder / "draws" / "c-student-t-order-1.nc"
+    draws.write_bytes(draws.read_bytes()[:-10])
+    done = here("report", folder, "--out", tmp_path / "a.html")
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert "is not what was written there" in done.err
