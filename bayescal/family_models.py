@@ -99,6 +99,8 @@ def noise_levels(points: Correspondences, settings: Settings, highest: int) -> N
                 raise
             sd = points.sigma.get(axis) if settings.sigma is None else None
             level, text = _plain_level(settings, sd)
+            if settings.choice.robust:
+                level = level.on_readings(pixels[i], sd)
         sds.append(sd)
         levels.append(level)
         words.append(text)

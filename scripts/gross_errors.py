@@ -159,8 +159,9 @@ def quick_evidence(
     Rounds of a t fitted to the weighted draws so far and a broad one, all of them weighted by
     the mixture of all rounds' proposals.
     """
-    starts = model.starts()
-    return _by_rounds(model, find_modes(model.log_prob, starts[len(starts) // 2 :][:2]), rng)
+    of_each_fit = len(model.noise.starts())
+    starts = model.starts()[of_each_fit:][:2]  # of the M-estimate
+    return _by_rounds(model, find_modes(model.log_prob, starts), rng)
 
 
 def careful_evidence(

@@ -219,9 +219,10 @@ class PinholeModel:
         for level in self.data.levels:
             inside = np.ones(len(columns), dtype=bool)
             if level.value is None:
-                log_sigma = columns[:, at]
+                log_s = columns[:, at]
                 lower, upper = level.log_bounds
-                inside = (log_sigma >= lower) & (log_sigma <= upper)
+                inside = (log_s >= lower) & (log_s <= upper)
+                log_sigma = level.log_sigma(log_s)
                 at += 1
             else:
                 log_sigma = np.full(len(columns), np.log(level.value))

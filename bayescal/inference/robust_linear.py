@@ -11,6 +11,7 @@ from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
+from bayescal.inference.trimmed import trimmed_fits
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.gaussian import LOG_2PI
 from bayescal.models.noise.level import NoiseLevel
@@ -31,9 +32,9 @@ MAD = 0.6744897501960817
 class RobustLinearModel:
     """Pixels t = design @ b + noise, of any noise model; a `SampledModel`.
 
-    theta: the amplitudes b, px; the probit of where ln sigma lies between its bounds,
-    where sigma is inferred; then eta of the noise model. An inferred tau is integrated
-    out, and drawn by `complete` as a last column, ln tau.
+    theta: the amplitudes b, px; the probit of where ln s lies between its bounds (s is sigma
+    but for the rounding of the readings), where sigma is inferred; then eta of the noise
+    model. An inferred tau is integrated out, and drawn by `complete` as a last column, ln tau.
 
     Attributes
     ----------
@@ -97,7 +98,7 @@ class RobustLinearModel:
             data.t,
             data.sd,
             prior,
-            level,
+            level.on_readings(data.t, data.sd),
             noise,
             monomials.lead(order),
             tuple(f"{data.symbol}_{powers}" for powers in monomials.suffixes),
@@ -133,7 +134,7 @@ class RobustLinearModel:
         if self.level.value is not None:
             return np.full(len(theta), math.log(self.level.value))
         lower, upper = self.level.log_bounds
-        return np.asarray(lower + (upper - lower) * ndtr(theta[:, self.size]))
+        return self.level.log_sigma(lower + (upper - lower) * ndtr(theta[:, self.size]))
 
     def eta(self, theta: Array) -> Array:
         """Coordinates of the noise model at each draw, ``(n_draws, noise.dimension)``."""
@@ -172,34 +173,25 @@ class RobustLinearModel:
         return np.asarray(terms[:, ~prior.scaled].sum(axis=1) + scaled)
 
     def starts(self) -> Array:
-        """Least squares and a robust fit, each with every start of the noise model."""
-        noise = self.noise.starts()
-        rows = []
-        for amplitudes, scale in self._fits():
-            head = [*amplitudes]
-            if self.infers_sigma:
-                lower, upper = self.level.log_bounds
-                share = (math.log(max(scale, math.exp(lower))) - lower) / (upper - lower)
-                head.append(float(ndtri(min(max(share, 0.01), 0.99))))
-            rows += [np.concatenate([head, eta]) for eta in noise]
-        return np.array(rows)
+        """Least squares and an M-estimate with every start of the noise, then trimmed fits.
 
-    def _fits(self) -> list[tuple[Array, float]]:
-        """Amplitudes and scale by least squares, and by Cauchy's M-estimator."""
+        The trimmed ones start from the noise model's heaviest tails: half of the points may
+        agree on another curve than all do.
+        """
         own = np.ones(len(self.t)) if self.sd is None else self.sd
         x, y = self.design / own[:, None], self.t / own
-        fits: list[tuple[Array, float]] = []
-        root = np.ones(len(y))
-        for step in range(STEPS):
-            amplitudes = np.linalg.lstsq(x * root[:, None], y * root, rcond=None)[0]
-            residual = y - x @ amplitudes
-            if step == 0:
-                fits.append((amplitudes, float(np.sqrt(np.mean(residual**2)))))
-            scale = float(np.median(np.abs(residual))) / MAD
-            if scale == 0:
-                break
-            root = 1 / np.sqrt(1 + (residual / (CAUCHY * scale)) ** 2)
-        return [*fits, (amplitudes, scale)]
+        noise = self.noise.starts()
+        rows = [self._start(fit, eta) for fit in _fits(x, y) for eta in noise]
+        return np.array(rows + [self._start(fit, noise[-1]) for fit in trimmed_fits(x, y)])
+
+    def _start(self, fit: tuple[Array, float], eta: Array) -> Array:
+        amplitudes, scale = fit
+        if not self.infers_sigma:
+            return np.concatenate([amplitudes, eta])
+        lower, upper = self.level.log_bounds
+        s = math.sqrt(max(scale**2 - self.level.rounding**2, math.exp(2 * lower)))
+        share = (math.log(s) - lower) / (upper - lower)
+        return np.array([*amplitudes, ndtri(min(max(share, 0.01), 0.99)), *eta])
 
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:
         """Append ln tau, drawn given the amplitudes, where tau is inferred."""
@@ -242,9 +234,25 @@ class RobustLinearModel:
         """Posterior probability that sigma lies within 5 % of its lower, upper bound."""
         if not self.infers_sigma:
             return 0.0, 0.0
-        lower, upper = self.level.log_bounds
+        lower, upper = self.level.log_sigma(np.array(self.level.log_bounds))
         log_sigma, edge = self.log_sigma(full), math.log1p(0.05)
         return (
             float(np.mean(log_sigma < lower + edge)),
             float(np.mean(log_sigma > upper - edge)),
         )
+
+
+def _fits(x: Array, y: Array) -> list[tuple[Array, float]]:
+    """Amplitudes and scale by least squares, and by Cauchy's M-estimator."""
+    fits: list[tuple[Array, float]] = []
+    root = np.ones(len(y))
+    for step in range(STEPS):
+        amplitudes = np.linalg.lstsq(x * root[:, None], y * root, rcond=None)[0]
+        residual = y - x @ amplitudes
+        if step == 0:
+            fits.append((amplitudes, float(np.sqrt(np.mean(residual**2)))))
+        scale = float(np.median(np.abs(residual))) / MAD
+        if scale == 0:
+            break
+        root = 1 / np.sqrt(1 + (residual / (CAUCHY * scale)) ** 2)
+    return [*fits, (amplitudes, scale)]

@@ -10,7 +10,7 @@ from scipy.special import softmax
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.inference.adaptation import Adapted, adapt, effective_fraction, refine
+from bayescal.inference.adaptation import Adapted, adapt, refine
 from bayescal.inference.coordinates import Whitening
 from bayescal.inference.ensembles import sample_ensembles
 from bayescal.inference.estimate import EvidenceEstimate, estimate_evidence
@@ -22,14 +22,10 @@ from bayescal.inference.t_mixture import TMixture, cholesky
 
 EVIDENCE_DRAWS = 20_000
 Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
-# Where a chain does not converge or its evidence can't be trusted, the proposal is fitted to
-# that chain's draws, and all is done anew.
+# Where a chain does not converge, its evidence can't be trusted or rests on a smaller fraction of
+# the draws than this, the proposal is fitted to that chain's draws, and all is done anew.
 ATTEMPTS = 2
-# A proposal of which fewer draws are effective may have missed a mode: one is looked for
-# from the draws that weigh most, and so on with what is found.
-FITTED = 0.6
-HEAVY = 12
-EXPLORATIONS = 4
+FITTED = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,30 +127,12 @@ def sample_model(
         adapted = Adapted(proposal, proposal.means[-1], root @ root.T)
     for child in children:
         found = _attempt(model, modes, adapted, child, ess, evidence_draws)
-        if found.converged and found.estimate.certain:
+        estimate = found.estimate
+        if found.converged and estimate.certain and estimate.effective_fraction > FITTED:
             break
         theta = found.chain.theta.reshape(-1, model.dimension)
-        adapted = refine(adapted, theta, found.chain.log_prob.ravel())
+        adapted = refine(adapted, modes, theta, found.chain.log_prob.ravel())
     return found
-
-
-def _explored(model: SampledModel, rng: np.random.Generator) -> tuple[tuple[Mode, ...], Adapted]:
-    """Modes and an adapted proposal: where it is too thin, climb from there and adapt again."""
-    modes = find_modes(model.log_prob, model.starts())
-    if not modes:
-        raise InputError("the likelihood is zero wherever the model could start; check the units")
-    for _ in range(EXPLORATIONS):
-        adapted = adapt(model.log_prob, modes, rng)
-        theta = adapted.proposal.draw(rng, EVIDENCE_DRAWS)
-        log_weights = model.log_prob(theta) - adapted.proposal.log_density(theta)
-        if effective_fraction(log_weights) > FITTED:
-            break
-        heavy = theta[np.argsort(-log_weights, kind="stable")[:HEAVY]]
-        found = find_modes(model.log_prob, np.concatenate([[m.theta for m in modes], heavy]))
-        if len(found) <= len(modes):
-            break
-        modes = found
-    return modes, adapted
 
 
 def _attempt(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from bayescal.comparison.results import AxisComparison
+from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.noise.outlier_mixture import OutlierMixture
 from bayescal.models.noise.student_t import RATE, SHAPE, StudentT
@@ -49,6 +50,18 @@ def robust_footnotes(axis: AxisComparison) -> list[str]:
     if any(r.evidence_warnings for r in axis.orders):
         lines.append(f"{MARK} marks an evidence that should not be trusted; the caveats say why.")
     return lines
+
+
+def level_words(level: NoiseLevel) -> str:
+    """Say what an inferred sigma's prior is; nothing where sigma is known."""
+    if level.bounds is None:
+        return ""
+    name, unit = level.parameter, "" if level.source == "scale" else " px"
+    bounds = "uniform from {:.4g} to {:.4g}".format(*level.bounds)
+    if not level.rounding:
+        return f" (ln {name} {bounds}{unit})"
+    floor = f"{level.rounding:.2g}{unit}"
+    return f" ({name}² = s² + ({floor})², for whole pixels; ln s {bounds}{unit})"
 
 
 def noise_document(axis: AxisComparison) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from rich.text import Text
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.models.priors import TAU_BOUNDS
-from bayescal.report.noise import noise_kind, robust_footnotes
+from bayescal.report.noise import level_words, noise_kind, robust_footnotes
 from bayescal.report.render import WIDTH as WIDTH
 from bayescal.report.render import indented, laid_out, listed
 from bayescal.report.render import render as render
@@ -111,12 +111,7 @@ def _assumed(axis: AxisComparison) -> Text:
 
 def noise_words(axis: AxisComparison) -> str:
     """Name the noise model and where its level comes from."""
-    words = noise_kind(axis)
-    if axis.noise.bounds is not None:
-        lower, upper = axis.noise.bounds
-        unit = "" if axis.noise.source == "scale" else " px"
-        words += f" (ln {axis.noise.parameter} uniform from {lower:.4g} to {upper:.4g}{unit})"
-    return words
+    return noise_kind(axis) + level_words(axis.noise)
 
 
 def prior_words(axis: AxisComparison) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import dynesty
 import numpy as np
@@ -19,6 +20,7 @@ from bayescal.comparison.robust_caveats import MANY_BAD, sampled_caveats
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.least_squares import LeastSquaresFit, factorise
 from bayescal.inference.model import LinearModel
+from bayescal.inference.optimum import find_modes
 from bayescal.inference.robust_linear import RobustLinearModel
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.models.linear import generic_axis
@@ -68,6 +70,8 @@ def test_evidence_and_moments_are_those_of_quadrature(noise):
 def test_student_t_of_very_large_nu_is_gaussian_in_draws_evidence_and_leave_one_out():
     """Truth: the closed form; 1e10 degrees of freedom change a log density by under 1e-6."""
     data = axis_data(bc.thesis(), "c")
+    # No whole pixels, whose rounding only robust noise puts under sigma.
+    data = replace(data, t=data.t + 0.25)
     prior = PriorRule("field", data.size, data.size / 2).of_order(2)
     level = NoiseLevel.inferred()
     exact = exact_posterior(LinearModel(factorise(data, 2), 2, level, prior, data.symbol))
@@ -134,6 +138,34 @@ def test_evidence_spreads_little_over_seeds_and_bridge_sampling_agrees():
     assert max(abs(e.bridge - e.log_evidence) for e in found) < 0.05
     # Its spread is what the estimates say of themselves, within a factor of chi's 99.9 %.
     assert np.std(values, ddof=1) < 1.8 * np.sqrt(np.mean([e.error**2 for e in found]))
+
+
+def test_modes_of_few_good_points_are_found_whatever_the_seed():
+    """r of order 3 and c of order 4 have two and five modes; each seed weighs them alike."""
+    for axis, order in (("r", 3), ("c", 4)):
+        model = thesis_model(axis, order, OutlierMixture())
+        found = [sample_model(model, np.random.default_rng(seed), 400) for seed in range(3)]
+        assert min(len(f.modes) for f in found) > 1
+        values = [f.log_evidence for f in found]
+        assert np.std(values, ddof=1) < 0.03
+        assert max(abs(f.estimate.bridge - f.log_evidence) for f in found) < 0.05
+
+
+def test_whole_pixels_make_no_spike():
+    """Control: with readings taken as exact, 20 of them agree to a hundredth of a pixel.
+
+    That mode then outweighs all others by far: an evidence of the rounding, not of the order.
+    """
+    model = thesis_model("c", 4, OutlierMixture())
+    exact = replace(model, level=NoiseLevel.inferred())
+    tight = model.starts()[6:]  # the trimmed fits', with s at 0.05 px
+    lower, upper = exact.level.log_bounds
+    tight[:, model.size] = ndtri((math.log(0.05) - lower) / (upper - lower))
+    found = [find_modes(m.log_prob, tight) for m in (model, exact)]
+    real, spike = (max(modes, key=lambda mode: mode.log_mass) for modes in found)
+    assert np.exp(model.log_sigma(real.theta[None]))[0] > 1
+    assert np.exp(exact.log_sigma(spike.theta[None]))[0] < 0.02
+    assert spike.log_mass > real.log_mass + 10
 
 
 def test_without_the_bound_on_the_fraction_the_labels_swap_and_that_is_said():

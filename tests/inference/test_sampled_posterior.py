@@ -100,7 +100,7 @@ def test_a_linear_model_through_the_general_path_equals_its_closed_form(axis, or
 
 def test_leave_one_out_from_draws_equals_its_closed_form():
     data = thesis_axis("r")
-    model = make_model(data, 4)
+    model = make_model(data, 2)
     exact = leave_one_out(data, exact_posterior(model))
     posterior = sample_model(Wrapped(model, data), np.random.default_rng(1), 4000)
     sampled = sampled_leave_one_out(posterior)

@@ -9,9 +9,8 @@ from scipy.special import chdtr, chdtrc
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest, p_words, untested
 from bayescal.comparison.adequacy.problem import Problem
+from bayescal.models.noise.level import WHOLE_PIXEL
 
-# Standard deviation of rounding to whole pixels, px: that of a uniform of width 1.
-PIXEL_FLOOR = 1 / math.sqrt(12)
 # At less than twice the floor rounding makes up a quarter of the variance.
 NEAR = 2.0
 
@@ -72,8 +71,8 @@ def whole_pixels(problem: Problem) -> AdequacyTest:
         sigma, whose = problem.fit.sigma_hat, "sigma of the residuals"
     else:
         return untested(name, "readings are whole numbers, but no residual is left to compare")
-    share = f"{100 * (PIXEL_FLOOR / sigma) ** 2:.0f} %" if sigma > PIXEL_FLOOR else "all"
-    near = sigma < NEAR * PIXEL_FLOOR
+    share = f"{100 * (WHOLE_PIXEL / sigma) ** 2:.0f} %" if sigma > WHOLE_PIXEL else "all"
+    near = sigma < NEAR * WHOLE_PIXEL
     says = (
         f"rounding makes up {share} of the variance, so that errors are neither normal nor "
         "independent of the position within a pixel"
@@ -83,7 +82,7 @@ def whole_pixels(problem: Problem) -> AdequacyTest:
     return AdequacyTest(
         name,
         "sigma / floor",
-        sigma / PIXEL_FLOOR,
+        sigma / WHOLE_PIXEL,
         None,
         None,
         f"All readings are whole numbers, which alone scatters them by 0.29 {unit}; {whose} is "

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from bayescal.arrays import Array
 from bayescal.errors import InputError
 
 # Bounds of an inferred sigma on an image, px (ln sigma uniform between them).
@@ -14,6 +17,8 @@ SPAN_BOUNDS = (0.01 / 1920, 1000.0 / 1920)
 
 # Bounds of an inferred factor on known deviations.
 SCALE_BOUNDS = (0.01, 100.0)
+# Standard deviation of rounding to whole pixels, px: that of a uniform of width 1.
+WHOLE_PIXEL = 1 / math.sqrt(12)
 
 
 @dataclass(frozen=True)
@@ -33,12 +38,16 @@ class NoiseLevel:
         uniform between them.
     dof : int or None
         Degrees of freedom of a sigma from replicates.
+    rounding : float
+        Deviation of the readings' rounding, px (of a scale: in units of the points' own
+        deviations), below which an inferred sigma of robust noise can't fall; 0: none.
     """
 
     source: str
     value: float | None
     bounds: tuple[float, float] | None
     dof: int | None = None
+    rounding: float = 0.0
 
     @classmethod
     def known(cls, sigma: float) -> NoiseLevel:
@@ -79,8 +88,35 @@ class NoiseLevel:
         assert self.bounds is not None, "sigma is known"
         return math.log(self.bounds[0]), math.log(self.bounds[1])
 
+    def on_readings(self, t: Array, sd: Array | None = None) -> NoiseLevel:
+        """Put the rounding of whole-pixel readings under an inferred sigma.
+
+        sigma^2 = s^2 + rounding^2, and s has the prior that sigma had (Sheppard 1898, Proc.
+        London Math. Soc. 29, 353). Whole numbers at equal regressors are equal whatever the
+        noise, and a density grows without limit about equal readings: with a free bad fraction
+        20 of the thesis's 57 readings of c were "good" at sigma = 0.011 px, the rest bad, with
+        an evidence 19 nat above that of all other fits together.
+
+        Parameters
+        ----------
+        t : Array
+            Readings, ``(n_points,)``, px.
+        sd : Array, optional
+            The points' own deviations, ``(n_points,)``, px.
+        """
+        if self.value is not None or not (t == np.round(t)).all():
+            return self
+        unit = 1.0 if sd is None else math.sqrt(float(np.mean(sd**2)))
+        return replace(self, rounding=WHOLE_PIXEL / unit)
+
+    def log_sigma(self, log_s: Array) -> Array:
+        """Ln sigma of ln s, which is uniform between the bounds; the same without rounding."""
+        if not self.rounding:
+            return log_s
+        return np.asarray(np.logaddexp(2 * log_s, 2 * math.log(self.rounding)) / 2)
+
     def log_prior(self) -> float:
-        """Log density of ln sigma inside the bounds; 0 where sigma is known."""
+        """Log density of ln s inside the bounds; 0 where sigma is known."""
         if self.bounds is None:
             return 0.0
         lower, upper = self.log_bounds

@@ -63,7 +63,7 @@ class NoiseModel(Protocol):
         ...
 
     def starts(self) -> Array:
-        """Places to search for modes from, ``(n_starts, dimension)``."""
+        """Places to search for modes from, the heaviest tails last, ``(n_starts, dimension)``."""
         ...
 
     def draw(self, rng: np.random.Generator, log_sigma: Array, eta: Array, sd: Array) -> Array:

@@ -100,9 +100,9 @@ class OutlierMixture:
 
         Without the bound on the fraction a fourth, at which most points are bad.
         """
-        pairs = [(0.05, 1 / 3), (0.05, 2 / 3), (0.25, 1 / 3)]
+        pairs = [(0.05, 1 / 3), (0.05, 2 / 3), (0.42, 0.1)]
         if self.largest_fraction > LARGEST_FRACTION:
-            pairs.append((0.95, 0.2))
+            pairs.insert(0, (0.95, 0.2))
         fraction, width = np.array(pairs).T  # width: of the way between the bounds' logarithms
         nothing = [np.zeros(len(pairs))] * self.infers_offset
         return np.column_stack([ndtri(fraction / self.largest_fraction), ndtri(width), *nothing])

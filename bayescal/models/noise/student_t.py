@@ -85,8 +85,8 @@ class StudentT:
         return self._nu(eta) if self.nu is None else np.empty((len(eta), 0))
 
     def starts(self) -> Array:
-        """Heavy tails and light ones, ``(2, 1)``; one start where nu is fixed."""
-        return np.log([[3.0], [20.0]]) if self.nu is None else np.empty((1, 0))
+        """Light tails and heavy ones, ``(2, 1)``; one start where nu is fixed."""
+        return np.log([[20.0], [2.0]]) if self.nu is None else np.empty((1, 0))
 
     def draw(self, rng: np.random.Generator, log_sigma: Array, eta: Array, sd: Array) -> Array:
         """Simulate residuals, ``(n_draws, n_points)``, px."""
