@@ -13,15 +13,14 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.polynomial import Legendre, Polynomial
-from scipy import stats
 
 from bayescal.inference.posterior import sample_posterior
 from bayescal.inference.target import log_prob
+from scripts.ranks import DRAWS, holm, p_values, ranks
 from tests.problems import make_axis, make_model
 
 SIMULATIONS = 384
-DRAWS = 255  # ranks 0 to 255, 16 to a bin
-BINS = 16
+BINS = 16  # of 16 ranks
 LEVEL = 1e-3  # of the whole family of tests
 SIZE = 1000.0  # px
 X = np.linspace(-0.4, 0.7, 15)
@@ -61,49 +60,28 @@ def posteriors(order: int) -> list[tuple[np.ndarray, np.ndarray]]:
     return out
 
 
-def p_values(ranks: np.ndarray) -> np.ndarray:
-    """Chi-squared test of uniform ranks of each quantity, (simulations, quantities)."""
-    counts = np.array(
-        [np.bincount(column * BINS // (DRAWS + 1), minlength=BINS) for column in ranks.T]
-    )
-    return stats.chisquare(counts, axis=1).pvalue
-
-
-def holm(p: np.ndarray) -> np.ndarray:
-    """Holm's step-down adjustment: each p-value at the level of the family."""
-    ascending = np.argsort(p)
-    adjusted = np.maximum.accumulate(p[ascending] * np.arange(len(p), 0, -1))
-    out = np.empty(len(p))
-    out[ascending] = np.minimum(adjusted, 1)
-    return out
-
-
-def ranks(order: int, shrink: float = 1.0) -> np.ndarray:
-    """Ranks of the truths among draws, those of parameters shrunk about their means."""
-    rows = []
-    for truth, draws in posteriors(order):
-        centre = draws.mean(axis=0)
-        rows.append((centre + shrink * (draws - centre) < truth).sum(axis=0))
-    return np.array(rows)
+def adjusted(order: int, *, shrink: float) -> np.ndarray:
+    """Adjusted p-values of uniform ranks, the parameters' draws shrunk about their means."""
+    return holm(p_values(ranks(posteriors(order), shrink), BINS))
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_ranks_of_the_truths_are_uniform(order):
     """Family-wise level 1e-3 over the parameters, sigma, tau and the log density."""
-    assert holm(p_values(ranks(order))).min() > LEVEL / 3  # three orders share the level
+    assert adjusted(order, shrink=1.0).min() > LEVEL / 3  # three orders share the level
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_deviations_30_percent_too_small_are_rejected(order):
     """Negative control: the same draws, shrunk about their means; every coefficient shows it."""
-    p = holm(p_values(ranks(order, shrink=0.7)))
+    p = adjusted(order, shrink=0.7)
     assert (p[: order + 1] < LEVEL / 3).all()
 
 
 def test_shifted_posteriors_are_rejected():
     """Negative control: draws half a deviation too high."""
     rows = [(draws + 0.5 * draws.std(axis=0) < truth).sum(axis=0) for truth, draws in posteriors(3)]
-    assert (holm(p_values(np.array(rows)))[:4] < LEVEL / 3).all()
+    assert (holm(p_values(np.array(rows), BINS))[:4] < LEVEL / 3).all()
 
 
 def test_holm_is_the_step_down_rule():

@@ -7,12 +7,14 @@ import math
 import numpy as np
 import pytest
 from scipy import integrate, stats
+from scipy.special import softmax
 
 from bayescal.errors import InputError
 from bayescal.models.noise.choice import NOISE_MODELS, NoiseChoice
 from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.outlier_mixture import OutlierMixture
 from bayescal.models.noise.student_t import StudentT
+from scripts.ranks import DRAWS, p_values
 
 MODELS = {
     "gaussian": Gaussian(),
@@ -108,6 +110,36 @@ def test_what_is_simulated_is_what_is_scored(model):
         # The test can fail: residuals 30 % too wide are noticed.
         wide = np.interp(np.arcsinh(1.3 * drawn[:, j]), u, below)
         assert stats.kstest(wide, "uniform").pvalue < 1e-4
+
+
+@every_model
+def test_posteriors_of_what_is_simulated_are_calibrated(model):
+    """Simulation-based calibration of eta and ln sigma: truths from the prior have uniform ranks.
+
+    The posterior of 8 residuals is the prior's draws, weighted by the likelihood.
+    """
+    rng = np.random.default_rng(7)
+    pool, sets, points = 6_000, 512, 8
+    eta = rng.normal(1.0, 1.8, (pool, model.dimension))  # over the prior of every coordinate
+    log_sigma = rng.uniform(0, 3, pool)
+    log_q = stats.norm(1.0, 1.8).logpdf(eta).sum(axis=1)
+    prior = softmax(model.log_prior(eta) - log_q)
+    assert 1 / (prior @ prior) > 300
+    truths, sd = rng.choice(pool, sets, p=prior), np.ones(points)
+    quantities = np.column_stack([log_sigma, eta])
+    ranks, shrunk = [], []
+    for truth in truths:
+        residual = model.draw(rng, log_sigma[[truth]], eta[[truth]], sd)
+        log_likelihood = model.log_density(residual, log_sigma, eta).sum(axis=1)
+        posterior = prior * np.exp(log_likelihood - log_likelihood.max())
+        posterior[truth] = 0  # a draw of the prior that the truth is none of
+        draws = quantities[rng.choice(pool, DRAWS, p=posterior / posterior.sum())]
+        ranks.append((draws < quantities[truth]).sum(axis=0))
+        narrow = draws.mean(axis=0) + 0.7 * (draws - draws.mean(axis=0))
+        shrunk.append((narrow < quantities[truth]).sum(axis=0))
+    assert p_values(np.array(ranks), 16).min() > 1e-4
+    # The test can fail: deviations 30 % too small are noticed.
+    assert p_values(np.array(shrunk), 16).max() < 1e-4
 
 
 @every_model
