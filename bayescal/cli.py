@@ -83,6 +83,10 @@ def _run(given: list[str]) -> int:
         options.points = rest.pop()
     if rest:
         parser.error(f"unrecognized arguments: {' '.join(rest)}")
+    import logging  # not needed by --help
+
+    # Where matplotlib can't keep a cache it says so at length, which helps nobody here.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     options.command_line = shlex.join(["bayescal", *given])
     run: Callable[[argparse.Namespace], int] = options.run
     return run(options)

@@ -160,6 +160,7 @@ def write_folder(
             made = Path(temporary) / "made"
             made.mkdir()
             fill(made)
+            check_folder(folder, kind, force=force)  # another process may have been quicker
             earlier = Path(temporary) / "earlier"
             if folder.exists():
                 folder.rename(earlier)

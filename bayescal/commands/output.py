@@ -35,11 +35,16 @@ def add_output(
     output.add_argument("--force", action="store_true", help="replace existing output")
     output.add_argument("--quiet", action="store_true", help="print no tables")
     if progress:
-        output.add_argument(
-            "--progress",
-            action=argparse.BooleanOptionalAction,
-            help="progress bar (on a terminal, after a second)",
-        )
+        add_progress(output)
+
+
+def add_progress(group: argparse._ArgumentGroup) -> None:
+    """Add whether a progress bar is had."""
+    group.add_argument(
+        "--progress",
+        action=argparse.BooleanOptionalAction,
+        help="progress bar (on a terminal, after a second)",
+    )
 
 
 def check_file(options: argparse.Namespace, path: Path) -> None:

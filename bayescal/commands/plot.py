@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import DONE, check_file, exit_code
+from bayescal.commands.output import DONE, add_progress, check_file, exit_code
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import KINDS, FigureKind
 
@@ -66,11 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     output.add_argument("--force", action="store_true", help="replace an existing file")
     output.add_argument("--quiet", action="store_true", help="don't say what is to be seen")
-    output.add_argument(
-        "--progress",
-        action=argparse.BooleanOptionalAction,
-        help="progress bar (on a terminal, after a second)",
-    )
+    add_progress(output)
 
 
 def run(options: argparse.Namespace) -> int:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import check_file, code_of
+from bayescal.commands.output import add_progress, check_file, code_of
 from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
@@ -41,11 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     output.add_argument("--force", action="store_true", help="replace existing files")
     output.add_argument("--quiet", action="store_true", help="don't say the verdict")
-    output.add_argument(
-        "--progress",
-        action=argparse.BooleanOptionalAction,
-        help="progress bar (on a terminal, after a second)",
-    )
+    add_progress(output)
 
 
 def run(options: argparse.Namespace) -> int:

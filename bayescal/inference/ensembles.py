@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-import emcee
 import numpy as np
 from emcee.moves import DEMove, Move
 
@@ -25,6 +24,7 @@ from bayescal.inference.sampling import (
     Chain,
     further_steps,
     judged,
+    quiet_sampler,
 )
 
 ENSEMBLES = 4
@@ -123,12 +123,11 @@ class _Ensemble:
         whitened = WhitenedProposal(proposal, whitening)
         dimension = len(whitening.centre)
         self.walkers = max(WALKERS, 2 * dimension)
-        self.sampler = emcee.EnsembleSampler(
+        self.sampler = quiet_sampler(
             self.walkers,
             dimension,
             lambda u: log_prob(whitening.theta(u)),
-            moves=AlternatingMove(IndependenceMove(whitened, rng)),
-            vectorize=True,
+            AlternatingMove(IndependenceMove(whitened, rng)),
         )
         # The differential move takes emcee's legacy generator, which is seeded here.
         seed = int(rng.integers(2**32))

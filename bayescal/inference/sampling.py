@@ -91,13 +91,7 @@ def sample(
     whitened = WhitenedProposal(proposal, whitening)
     move = IndependenceMove(whitened, rng)
     start = whitened.draw(rng, WALKERS)
-    sampler = emcee.EnsembleSampler(
-        WALKERS,
-        start.shape[1],
-        lambda u: log_prob(whitening.theta(u)),
-        moves=move,
-        vectorize=True,
-    )
+    sampler = quiet_sampler(WALKERS, start.shape[1], lambda u: log_prob(whitening.theta(u)), move)
     # emcee chooses among its moves with a legacy generator; one move leaves no choice.
     # Its check of the start's condition is for moves that stay in the walkers' span.
     options = {"skip_initial_state_check": True}
@@ -110,6 +104,29 @@ def sample(
             break
         steps = further_steps(chain, ess)
     return chain
+
+
+def quiet_sampler(
+    walkers: int, dimension: int, log_prob: Callable[[Array], Array], move: emcee.moves.Move
+) -> emcee.EnsembleSampler:
+    """Make an emcee sampler that prints nothing.
+
+    Parameters
+    ----------
+    walkers, dimension : int
+    log_prob : callable
+        From all walkers at once, ``(n, dimension)``, to log densities ``(n,)``.
+    move : emcee.moves.Move
+
+    Returns
+    -------
+    emcee.EnsembleSampler
+    """
+    sampler = emcee.EnsembleSampler(walkers, dimension, log_prob, moves=move, vectorize=True)
+    # emcee wraps the density to print whatever it raises, with its trace, before passing it
+    # on: when somebody presses Ctrl-C, too.
+    sampler.log_prob_fn = log_prob
+    return sampler
 
 
 def _collect(

@@ -31,6 +31,8 @@ def render(view: RenderableType, *, terminal: bool) -> str:
     console = Console(
         width=WIDTH,
         highlight=False,
+        markup=False,  # labels are anybody's: brackets and colons in them mean nothing
+        emoji=False,
         force_terminal=terminal,
         file=io.StringIO(),
         legacy_windows=False,

@@ -11,7 +11,7 @@ from scipy import stats
 
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.posterior import sample_posterior
-from bayescal.inference.sampling import autocorrelation_time
+from bayescal.inference.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.target import log_prob
 from tests.brute_force import mixture_cdf, normal_grid
 from tests.problems import STATED_R, THESIS_MODELS, make_axis, make_model, thesis_axis
@@ -198,3 +198,19 @@ def test_autocorrelation_time_is_emcees():
     truth = emcee.autocorr.integrated_time(chains.T[:, :, None], quiet=True)[0]
     assert autocorrelation_time(chains) == pytest.approx(truth, rel=1e-9)
     assert truth == pytest.approx(3.0, rel=0.1)
+
+
+def test_an_interrupt_is_passed_on_in_silence(capfd):
+    """emcee would print it with its trace: the negative control."""
+
+    def interrupted(_):
+        raise KeyboardInterrupt
+
+    start = np.zeros((4, 1))
+    ours = quiet_sampler(4, 1, interrupted, emcee.moves.StretchMove())
+    with pytest.raises(KeyboardInterrupt):
+        ours.compute_log_prob(start)
+    assert capfd.readouterr() == ("", "")
+    with pytest.raises(KeyboardInterrupt):
+        emcee.EnsembleSampler(4, 1, interrupted, vectorize=True).compute_log_prob(start)
+    assert "Traceback" in capfd.readouterr().err

@@ -6,7 +6,8 @@ import pytest
 from rich.console import Group
 from rich.text import Text
 
-from bayescal.report.render import render
+from bayescal.report.grid import Cell, Column, Table
+from bayescal.report.render import laid_out, listed, render
 
 HOSTILE = "\x1b[31mred\x07 \u202elive\u202c \x9b2J \u2066x"
 
@@ -20,3 +21,10 @@ def test_labels_command_no_terminal(terminal, monkeypatch):
         Group(Text(HOSTILE), Text("\U0001f3f3\ufe0f\u200d\U0001f308 é")), terminal=terminal
     )
     assert shown == "?[31mred ?live? ?2J ?x\n\U0001f3f3\ufe0f\u200d\U0001f308 é\n"
+
+
+@pytest.mark.parametrize("label", ["[/]", "[red]x[/red]", ":smile:", "[link=http://a]b[/link]"])
+def test_a_label_in_a_table_is_shown_as_it_is(label):
+    table = Table((Column("point"), Column("x")), ((Cell(label), Cell("1")),))
+    assert render(laid_out(table), terminal=False).splitlines()[-2].split() == [label, "1"]
+    assert render(listed([("name", label)]), terminal=False).split() == ["name", label]

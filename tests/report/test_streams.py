@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from bayescal.errors import OutputError
+from bayescal.files import FolderKind, write_folder
 from tests.points.examples import rows, text, write
 from tests.report.command import apart, environment
 
@@ -107,3 +109,28 @@ def test_a_full_disk_leaves_nothing_behind(option: str, size: int, tmp_path: Pat
     assert done.stderr == "bayescal: new: file too large\n"
     assert done.returncode == 2
     assert [path.name for path in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize("command", [("compare", *SHORT), ("plot", "verdict", "--out", "new.png")])
+def test_a_home_that_can_not_be_written_to_is_no_business_of_the_user(
+    command: tuple[str, ...], tmp_path: Path
+) -> None:
+    (tmp_path / "home").write_text("no folder")
+    homes = dict.fromkeys(("HOME", "XDG_CACHE_HOME", "XDG_CONFIG_HOME"), str(tmp_path / "home"))
+    arguments = command if "plot" not in command else (*command, *SHORT[:2], *SHORT[4:])
+    done = apart(*arguments, folder=tmp_path, MPLCONFIGDIR="", **homes)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_of_two_runs_into_one_folder_the_second_is_refused(tmp_path: Path) -> None:
+    """The second looks while the first is still at work: neither sees the other at first."""
+    kind, folder = FolderKind("run", "marker", ()), tmp_path / "run"
+
+    def fill(made: Path) -> None:
+        write_folder(folder, kind, lambda other: (other / "marker").write_text("first"))
+        (made / "marker").write_text("second")
+
+    with pytest.raises(OutputError, match="holds an earlier run; choose another name"):
+        write_folder(folder, kind, fill)
+    assert (folder / "marker").read_text() == "first"
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
