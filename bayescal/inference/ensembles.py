@@ -32,6 +32,7 @@ WALKERS = 16  # of each, or twice the dimension, which a differential move needs
 MIN_STEPS = 120
 EVERY = 20  # steps from one differential move to the next
 SPARE = 1.8  # draws per effective sample to begin with
+AHEAD = 40  # independence steps at a time: three times that are in BURN_IN + MIN_STEPS
 
 
 class AlternatingMove(Move):
@@ -127,7 +128,7 @@ class _Ensemble:
             self.walkers,
             dimension,
             lambda u: log_prob(whitening.theta(u)),
-            AlternatingMove(IndependenceMove(whitened, rng)),
+            AlternatingMove(IndependenceMove(whitened, rng, AHEAD)),
         )
         # The differential move takes emcee's legacy generator, which is seeded here.
         seed = int(rng.integers(2**32))

@@ -10,8 +10,8 @@ from emcee.moves import Move
 from bayescal.arrays import Array
 from bayescal.inference.proposal import Proposal
 
-# Proposals don't depend on the state, so they are drawn for this many steps at a
-# time: the cost of many small array operations falls by this factor.
+# Proposals don't depend on the state, so they are drawn, and their densities evaluated, for
+# this many steps at a time: the cost of many small array operations falls by this factor.
 STEPS_AHEAD = 38
 
 
@@ -27,11 +27,16 @@ class IndependenceMove(Move):
         In the sampler's coordinates.
     rng : numpy.random.Generator
         The only source of randomness of the move.
+    ahead : int, optional
+        Steps to draw and evaluate at a time; what is left of them at the end is lost.
     """
 
-    def __init__(self, proposal: Proposal, rng: np.random.Generator) -> None:
-        self.proposal, self.rng = proposal, rng
-        self._ahead: list[tuple[Array, Array]] = []  # drawn, not yet proposed
+    def __init__(
+        self, proposal: Proposal, rng: np.random.Generator, ahead: int = STEPS_AHEAD
+    ) -> None:
+        self.proposal, self.rng, self.ahead = proposal, rng, ahead
+        # Drawn, not yet proposed: coordinates, log q and log density.
+        self._ahead: list[tuple[Array, Array, Array]] = []
         self._at: tuple[Array, Array] | None = None  # where the walkers are, and log q there
 
     def propose(self, model: Any, state: Any) -> tuple[Any, Any]:
@@ -49,24 +54,23 @@ class IndependenceMove(Move):
             ``(n_walkers,)``.
         """
         walkers = len(state.coords)
-        coords, log_q = self._next(walkers)
+        coords, log_q, log_prob = self._next(model, walkers)
         log_q_now = self._log_q(state.coords)
-        log_prob, blobs = model.compute_log_prob_fn(coords)
         log_ratio = log_prob - state.log_prob + log_q_now - log_q
         accepted = np.log(self.rng.random(walkers)) < log_ratio
         # emcee's State has no type information; its class is that of the one given.
-        new = type(state)(coords, log_prob=log_prob, blobs=blobs)
+        new = type(state)(coords, log_prob=log_prob)
         state = self.update(state, new, accepted)
         self._at = state.coords.copy(), np.where(accepted, log_q, log_q_now)
         return state, accepted
 
-    def _next(self, walkers: int) -> tuple[Array, Array]:
+    def _next(self, model: Any, walkers: int) -> tuple[Array, Array, Array]:
         if not self._ahead or len(self._ahead[-1][1]) != walkers:
-            coords = self.proposal.draw(self.rng, STEPS_AHEAD * walkers)
+            coords = self.proposal.draw(self.rng, self.ahead * walkers)
             log_q = self.proposal.log_density(coords)
-            self._ahead = list(
-                zip(np.split(coords, STEPS_AHEAD), np.split(log_q, STEPS_AHEAD), strict=True)
-            )
+            log_prob, _ = model.compute_log_prob_fn(coords)
+            parts = (np.split(values, self.ahead) for values in (coords, log_q, log_prob))
+            self._ahead = list(zip(*parts, strict=True))
         return self._ahead.pop()
 
     def _log_q(self, coords: Array) -> Array:

@@ -20,6 +20,8 @@ from bayescal.points.setup import AXES
 
 # tau about which the sampled coordinates are whitened where it is inferred.
 FRAME_TAU = 0.02
+# Pixel values held at once: all at once costs many points memory, and time with it.
+CHUNK = 400_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +103,11 @@ class PinholeModel:
 
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior, ``(n_draws,)``, what has a closed form integrated out."""
+        step = max(1, CHUNK // (2 * self.data.n))
+        parts = [theta[i : i + step] for i in range(0, len(theta), step)]
+        return np.concatenate([self._log_prob(part) for part in parts])
+
+    def _log_prob(self, theta: Array) -> Array:
         with np.errstate(all="ignore"):
             full = self.geometry.full(self.free(theta))
             residuals, possible = self._residuals(full)

@@ -107,6 +107,8 @@ def _log_lower(a: float, v: Array) -> Array:
     value = np.asarray(gammainc(a, v))
     out = np.log(np.maximum(value, TINY))
     tiny = value < TINY
+    if not tiny.any():
+        return out
     small = v[tiny]
     # DLMF 8.7.1: gamma(a, v) = v^a exp(-v) sum_k v^k / (a ... (a + k)).
     out[tiny] = a * np.log(small) - small - float(gammaln(a + 1)) + np.log(_sum(small, a, 1))
@@ -118,6 +120,8 @@ def _log_upper(a: float, v: Array) -> Array:
     value = np.asarray(gammaincc(a, v))
     out = np.log(np.maximum(value, TINY))
     tiny = value < TINY
+    if not tiny.any():
+        return out
     large = v[tiny]
     # DLMF 8.11.2: Gamma(a, v) ~ v^(a - 1) exp(-v) sum_k (a - 1) ... (a - k) / v^k.
     out[tiny] = (a - 1) * np.log(large) - large - float(gammaln(a)) + np.log(_sum(large, a, -1))
