@@ -106,6 +106,23 @@ def test_what_each_noise_model_says_of_the_points_worth_naming(axis, order):
         assert mean == pytest.approx(point.predicted, abs=0.2 * point.predicted_sd)
         assert sd == pytest.approx(point.predicted_sd, rel=0.2)
     _check_order_of_rows(found, list(quoted))
+    _check_evidences(found, axis, order)
+
+
+def _check_evidences(found: AxisOutliers, axis: str, order: int) -> None:
+    """The table's column of this order, rounded to 0.1; sampled evidences spread by 0.01 nat."""
+    column = 1 + "rc".index(axis) * 5 + order - 1
+    names = {"gaussian": "Gaussian", "student-t": "Student-t", "outlier-mixture": "outlier mixture"}
+    table = {
+        cells[0]: cells for line in TEXT.splitlines() if (cells := line.strip("| ").split(" | "))
+    }
+    compared = {t.evidence.name: t for t in found.treatments if t.n_points == len(found.data)}
+    assert set(compared) == set(names)
+    for noise, name in names.items():
+        quoted = float(table[name][column].strip("*"))
+        assert quoted == pytest.approx(
+            compared[noise].evidence.log_evidence[order], abs=0.05 + 0.04
+        )
 
 
 def _check_order_of_rows(found: AxisOutliers, labels: list[str]) -> None:
