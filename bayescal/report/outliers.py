@@ -87,12 +87,12 @@ def points_table(axis: AxisOutliers, *, everything: bool = True) -> Table:
     winner = axis.treatments[0].evidence.order
     columns = (
         Column("point"),
-        Column(f"measured {unit}"),
+        Column("y" if unit == "y" else f"{axis.data.axis} px", "measured"),
         Column(f"residual {unit}", "measured less least squares"),
         Column("standard.", "residual over its own sd, sigma from the other points"),
         Column("leverage", "0 to 1: how far the point fixes its own prediction"),
         Column("Cook", "Cook's distance"),
-        Column("rejected at", "orders at which the chi-squared test removes the point"),
+        Column("rejected", "orders at which the chi-squared test removes the point"),
         Column("P(bad)", "posterior probability of being bad, under the mixture"),
         Column("weight t", "share of a good point's precision that Student-t noise leaves it"),
         Column("ln B without", f"of order {winner} against the best other, without the point"),
