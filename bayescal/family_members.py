@@ -17,6 +17,7 @@ from bayescal.comparison.families import (
     ModelName,
 )
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
+from bayescal.comparison.psis import good_k
 from bayescal.errors import InputError
 from bayescal.family_models import (
     FAMILIES,
@@ -140,6 +141,7 @@ class _Found:
     error: float
     pointwise: Array
     pareto_k: float
+    k_limit: float
     posterior: SampledPosterior | None
     doubts: tuple[str, ...] = ()
 
@@ -148,9 +150,10 @@ def _from_posterior(posterior: SampledPosterior) -> _Found:
     """Evidence and leave-one-out of a sampled model, the latter from 4000 draws at most."""
     full = posterior.full.reshape(-1, posterior.full.shape[2])
     step = max(1, len(full) // 4000)
-    pointwise, _, shape = psis_loo(posterior.model.log_likelihood(full[::step]).T)
-    error = posterior.log_evidence_error
-    return _Found(posterior.log_evidence, error, pointwise, float(shape.max()), posterior)
+    kept = full[::step]
+    pointwise, _, shape = psis_loo(posterior.model.log_likelihood(kept).T)
+    value, error, limit = posterior.log_evidence, posterior.log_evidence_error, good_k(len(kept))
+    return _Found(value, error, pointwise, float(shape.max()), limit, posterior)
 
 
 def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.Generator) -> _Found:
@@ -162,7 +165,8 @@ def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.G
     likelihood = model.log_likelihood(model.complete(again, rng))
     pointwise, _, shape = psis_loo(likelihood.T)
     value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
-    return _Found(value, error, pointwise, float(shape.max()), None, doubts)
+    limit = good_k(WEIGHTED_DRAWS)
+    return _Found(value, error, pointwise, float(shape.max()), limit, None, doubts)
 
 
 def _joint(
@@ -182,6 +186,7 @@ def _joint(
         position,
         found.posterior,
         found.doubts,
+        found.k_limit,
     )
 
 

@@ -42,6 +42,11 @@ def families_view(found: FamilyComparison) -> RenderableType:
     ]
     if any(found.models[i].warnings or not found.models[i].sound for i in rows):
         notes.append("! marks an evidence that should not be trusted; --json says why.")
+    if not all(found.models[i].elpd_reliable for i in rows):
+        notes.append(
+            "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
+            "0.7, or 0.64 of 600 draws): neither it nor its differences should be trusted."
+        )
     if left:
         notes.append(f"{left} less probable models are not shown (--json has them).")
     parts += [Padding(Text(line), (0, 0, 0, 2)) for line in (*notes, *found.notes)]
@@ -93,7 +98,7 @@ def models_table(found: FamilyComparison, rows: list[int]) -> RenderableType:
                 f"{m.bic - lowest_bic:.1f}",
                 f"{m.log_evidence:.2f}{flag}",
                 _error(m.log_evidence_error),
-                "" if m.elpd is None else f"{m.elpd:.1f}",
+                "" if m.elpd is None else f"{m.elpd:.1f}{'' if m.elpd_reliable else '?'}",
                 "" if m.elpd_se is None else f"{m.elpd_se:.1f}",
                 _difference(m, best),
                 percent(found.probabilities[i]),
