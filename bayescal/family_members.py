@@ -30,11 +30,10 @@ from bayescal.family_models import (
     pinhole_model,
 )
 from bayescal.inference.arviz_bridge import psis_loo
-from bayescal.inference.closed_form import exact_posterior
+from bayescal.inference.closed_form import ExactPosterior, exact_posterior
 from bayescal.inference.estimate import from_weights
 from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.laplace_mixture import mixture_about
-from bayescal.inference.model import LinearModel
 from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.position_search import position_mode
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
@@ -55,23 +54,22 @@ def stated_members(
 ) -> list[JointModel]:
     """Models at the stated position: products of two axes, each in closed form."""
     data, n = joint_data(axes), len(points)
-    exact: list[dict[int, tuple[LinearModel, float, float, LeaveOneOut | None]]] = []
+    exact: list[dict[int, tuple[ExactPosterior, float, float, LeaveOneOut | None]]] = []
     for i, axis in enumerate(axes):
         by_order = {}
         for k in sorted({w[1] if i == 0 else w[2] for w in orders}):
-            model = axis.model(k)
-            posterior = exact_posterior(model)
+            posterior = exact_posterior(axis.model(k))
             value, error = posterior.log_evidence, posterior.log_evidence_error
             assert value is not None, "a proper prior has an evidence"
             assert error is not None, "a proper prior has an evidence"
-            by_order[k] = model, value, error, leave_one_out(axis.data, posterior)
+            by_order[k] = posterior, value, error, leave_one_out(axis.data, posterior)
         exact.append(by_order)
     out = []
     for named, k, m in orders:
         (r, zr, er, lr), (c, zc, ec, lc) = exact[0][k], exact[1][m]
-        rss = np.array([r.factors.rss(k), c.factors.rss(m)])
+        rss = np.array([r.model.factors.rss(k), c.model.factors.rss(m)])
         likelihood = data.log_likelihood(rss)
-        count = r.size + c.size + sum(data.inferred)
+        count = r.model.size + c.model.size + sum(data.inferred)
         pointwise = lr.pointwise + lc.pointwise if lr is not None and lc is not None else None
         aic, bic = criteria_of(likelihood, count, n)
         out.append(
@@ -86,6 +84,7 @@ def stated_members(
                 *_elpd(pointwise),
                 None,
                 frozen(points.setup.position),
+                exact=(r, c),
             )
         )
     return out

@@ -13,6 +13,7 @@ from bayescal.comparison.verdict import percent
 from bayescal.points.correspondences import Correspondences
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
+    from bayescal.inference.closed_form import ExactPosterior
     from bayescal.inference.sampled_posterior import SampledPosterior
 
 STATED, FREE = "stated", "free"
@@ -76,6 +77,8 @@ class JointModel:
         Why an evidence that was had without sampling should not be trusted.
     k_limit : float or None
         Below it `pareto_k` is good; fewer draws can judge thinner tails only.
+    exact : tuple of ExactPosterior
+        Of r and of c, at the stated position of a linear family; empty elsewhere.
     """
 
     name: ModelName
@@ -93,6 +96,7 @@ class JointModel:
     posterior: SampledPosterior | None = None
     doubts: tuple[str, ...] = ()
     k_limit: float | None = None
+    exact: tuple[ExactPosterior, ...] = ()
 
     @property
     def sound(self) -> bool:
