@@ -17,6 +17,7 @@ from bayescal.comparison.families import (
     ModelName,
 )
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
+from bayescal.comparison.psis import good_k
 from bayescal.errors import InputError
 from bayescal.family_models import (
     FAMILIES,
@@ -29,11 +30,10 @@ from bayescal.family_models import (
     pinhole_model,
 )
 from bayescal.inference.arviz_bridge import psis_loo
-from bayescal.inference.closed_form import exact_posterior
+from bayescal.inference.closed_form import ExactPosterior, exact_posterior
 from bayescal.inference.estimate import from_weights
 from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.laplace_mixture import mixture_about
-from bayescal.inference.model import LinearModel
 from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.position_search import position_mode
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
@@ -54,23 +54,22 @@ def stated_members(
 ) -> list[JointModel]:
     """Models at the stated position: products of two axes, each in closed form."""
     data, n = joint_data(axes), len(points)
-    exact: list[dict[int, tuple[LinearModel, float, float, LeaveOneOut | None]]] = []
+    exact: list[dict[int, tuple[ExactPosterior, float, float, LeaveOneOut | None]]] = []
     for i, axis in enumerate(axes):
         by_order = {}
         for k in sorted({w[1] if i == 0 else w[2] for w in orders}):
-            model = axis.model(k)
-            posterior = exact_posterior(model)
+            posterior = exact_posterior(axis.model(k))
             value, error = posterior.log_evidence, posterior.log_evidence_error
             assert value is not None, "a proper prior has an evidence"
             assert error is not None, "a proper prior has an evidence"
-            by_order[k] = model, value, error, leave_one_out(axis.data, posterior)
+            by_order[k] = posterior, value, error, leave_one_out(axis.data, posterior)
         exact.append(by_order)
     out = []
     for named, k, m in orders:
         (r, zr, er, lr), (c, zc, ec, lc) = exact[0][k], exact[1][m]
-        rss = np.array([r.factors.rss(k), c.factors.rss(m)])
+        rss = np.array([r.model.factors.rss(k), c.model.factors.rss(m)])
         likelihood = data.log_likelihood(rss)
-        count = r.size + c.size + sum(data.inferred)
+        count = r.model.size + c.model.size + sum(data.inferred)
         pointwise = lr.pointwise + lc.pointwise if lr is not None and lc is not None else None
         aic, bic = criteria_of(likelihood, count, n)
         out.append(
@@ -85,6 +84,7 @@ def stated_members(
                 *_elpd(pointwise),
                 None,
                 frozen(points.setup.position),
+                exact=(r, c),
             )
         )
     return out
@@ -140,6 +140,7 @@ class _Found:
     error: float
     pointwise: Array
     pareto_k: float
+    k_limit: float
     posterior: SampledPosterior | None
     doubts: tuple[str, ...] = ()
 
@@ -148,9 +149,10 @@ def _from_posterior(posterior: SampledPosterior) -> _Found:
     """Evidence and leave-one-out of a sampled model, the latter from 4000 draws at most."""
     full = posterior.full.reshape(-1, posterior.full.shape[2])
     step = max(1, len(full) // 4000)
-    pointwise, _, shape = psis_loo(posterior.model.log_likelihood(full[::step]).T)
-    error = posterior.log_evidence_error
-    return _Found(posterior.log_evidence, error, pointwise, float(shape.max()), posterior)
+    kept = full[::step]
+    pointwise, _, shape = psis_loo(posterior.model.log_likelihood(kept).T)
+    value, error, limit = posterior.log_evidence, posterior.log_evidence_error, good_k(len(kept))
+    return _Found(value, error, pointwise, float(shape.max()), limit, posterior)
 
 
 def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.Generator) -> _Found:
@@ -162,7 +164,8 @@ def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.G
     likelihood = model.log_likelihood(model.complete(again, rng))
     pointwise, _, shape = psis_loo(likelihood.T)
     value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
-    return _Found(value, error, pointwise, float(shape.max()), None, doubts)
+    limit = good_k(WEIGHTED_DRAWS)
+    return _Found(value, error, pointwise, float(shape.max()), limit, None, doubts)
 
 
 def _joint(
@@ -182,6 +185,7 @@ def _joint(
         position,
         found.posterior,
         found.doubts,
+        found.k_limit,
     )
 
 

@@ -5,6 +5,7 @@ import json
 import jsonschema
 import pytest
 
+import bayescal as bc
 from bayescal.cli import main
 from bayescal.report.families_document import families_schema
 
@@ -109,3 +110,35 @@ def test_the_setup_states_pose_and_optics(capsys, tmp_path):
         code, out, err = run(capsys, *arguments)
         assert (code, out) == (2, "")
         assert match in err
+
+
+def test_a_fit_at_the_stated_position_prints_what_the_axes_say(capsys):
+    """Order 1 of the separable family: each row as `fit` has it, which samples it with emcee."""
+    orders = ("--order-r", "1", "--order-c", "1")
+    code, out, _ = run(capsys, "fit", "--family", "separable", "--position", "stated", *orders)
+    assert code == 0
+    fit = bc.fit(bc.thesis(), 1, 1)
+    rows = {line.split()[0]: line.split() for line in out.splitlines() if " to " in line}
+    for axis, result in fit.axes.items():
+        for p in result.chosen.posterior.parameters:
+            name = p.name if "_" in p.name else f"{p.name}_{axis}"
+            _, unit, mean, sd, low, _, high = rows.pop(name)
+            assert unit == "px"
+            half = 0.5 * 10 ** -len(sd.partition(".")[2])  # the last digit shown
+            error = 4 * p.sd / p.ess_tail**0.5
+            assert float(mean) == pytest.approx(p.mean, abs=error + half)
+            assert float(sd) == pytest.approx(p.sd, abs=error + half)
+            # A quantile's error at 2.5 %: sqrt(q (1 - q)) / density, 2.7 sd of a normal.
+            shown = float(low), float(high)
+            assert shown == pytest.approx(p.interval, abs=3.5 * error + half)
+    assert not rows
+
+
+def test_a_bivariate_fit_prints_its_coefficients(capsys):
+    """At order 1 there are three on each axis, and which power is whose is said."""
+    code, out, _ = run(capsys, "fit", "--family", "bivariate", "--order", "1")
+    assert code == 0
+    names = [line.split()[0] for line in out.splitlines() if " to " in line]
+    coefficients = [f"{s}_{p}" for s in ("alpha", "beta") for p in ("00", "10", "01")]
+    assert names == [*coefficients[:3], "sigma_r", *coefficients[3:], "sigma_c"]
+    assert "first power: of x/z in r (alpha), of y/z in c (beta)" in out

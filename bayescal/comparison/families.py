@@ -13,6 +13,7 @@ from bayescal.comparison.verdict import percent
 from bayescal.points.correspondences import Correspondences
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
+    from bayescal.inference.closed_form import ExactPosterior
     from bayescal.inference.sampled_posterior import SampledPosterior
 
 STATED, FREE = "stated", "free"
@@ -74,6 +75,10 @@ class JointModel:
         Of a model that was sampled: pinholes, and a family's best at a free position.
     doubts : tuple of str
         Why an evidence that was had without sampling should not be trusted.
+    k_limit : float or None
+        Below it `pareto_k` is good; fewer draws can judge thinner tails only.
+    exact : tuple of ExactPosterior
+        Of r and of c, at the stated position of a linear family; empty elsewhere.
     """
 
     name: ModelName
@@ -90,11 +95,20 @@ class JointModel:
     position: Array
     posterior: SampledPosterior | None = None
     doubts: tuple[str, ...] = ()
+    k_limit: float | None = None
+    exact: tuple[ExactPosterior, ...] = ()
 
     @property
     def sound(self) -> bool:
         """Whether its draws, if any, met the stopping rule and its evidence can be trusted."""
         return not self.warnings and (self.posterior is None or self.posterior.converged)
+
+    @property
+    def elpd_reliable(self) -> bool:
+        """Whether leave-one-out is exact, or every point's Pareto k is good."""
+        if self.pareto_k is None or self.k_limit is None:
+            return True
+        return self.pareto_k < self.k_limit
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -241,6 +241,22 @@ class ExactPosterior:
             lower, upper = np.where(below, middle, lower), np.where(below, upper, middle)
         return np.asarray((lower + upper) / 2)
 
+    def intervals(self, probability: float) -> Array:
+        """Central interval of every reported parameter, in the order of ``model.names``.
+
+        Those of sigma and tau interpolate the cumulative probability between their nodes.
+
+        Returns
+        -------
+        Array
+            ``(n_names, 2)``.
+        """
+        ends = np.array([1 - probability, 1 + probability]) / 2
+        transform = self.model.factors.monomials.lead(self.model.order)
+        rows = [*self.quantiles(transform, ends)]
+        rows += [np.interp(ends, mass.cumsum() - mass / 2, v) for v, mass in self.hyperparameters]
+        return np.array(rows)
+
     def sigma_at_bounds(self) -> tuple[float, float]:
         """Posterior probability that sigma lies within 5 % of its lower, upper bound."""
         if not self.model.infers_sigma:

@@ -72,6 +72,22 @@ class JointData:
                 total -= q / level.value**2 / 2 + self.n * math.log(level.value)
         return total
 
+    def bounded_sigma(self, rss: Array) -> Array:
+        """Sigma of each axis: known, or most probable within its bounds; `rss` ``(2,)``."""
+        found = []
+        for level, q in zip(self.levels, rss.tolist(), strict=True):
+            if level.bounds is None:
+                found.append(level.value)
+            else:
+                found.append(min(max(math.sqrt(q / self.n), level.bounds[0]), level.bounds[1]))
+        return np.array(found)
+
+    def bounded_log_likelihood(self, rss: Array) -> float:
+        """Maximised over sigma within its bounds, which residuals of no noise would leave."""
+        sigma = self.bounded_sigma(rss)
+        constant = -float(np.log(self.deviations).sum()) - self.n * LOG_2PI
+        return constant - float((rss / sigma**2 / 2 + self.n * np.log(sigma)).sum())
+
 
 @dataclass(frozen=True, eq=False)
 class PinholeFit:

@@ -2,7 +2,8 @@ r"""Laplace approximation of a pinhole's posterior at a given strength of the di
 
 Gauss-Newton with the Jacobian by complex step; the normal priors are further residuals. With
 sigma integrated out the likelihood is rss^(-n/2), whose slope is that of a normal one with
-sigma^2 = rss / n: each step takes sigma from the residuals.
+sigma^2 = rss / n: each step takes sigma from the residuals, within the bounds of its prior,
+below which residuals without noise would make the normal far narrower than the posterior.
 """
 
 from __future__ import annotations
@@ -77,7 +78,7 @@ def _value(
         pixels, depth = geometry.project(theta)
         rss = (((data.pixels - pixels[0]) / data.deviations) ** 2).sum(axis=1)
         z, tilt = _prior_residuals(geometry, prior, theta, tau)
-        value = data.log_likelihood(rss) - float(z[0] @ z[0]) / 2 + float(tilt[0])
+        value = data.bounded_log_likelihood(rss) - float(z[0] @ z[0]) / 2 + float(tilt[0])
     return value if math.isfinite(value) and bool((depth > 0).all()) else -math.inf
 
 
@@ -90,20 +91,17 @@ def _state(
     pixels, _ = geometry.project(theta)
     residual = (data.pixels - pixels[0].real) / data.deviations
     rss = (residual**2).sum(axis=1)
-    sigma2 = np.array(
-        [
-            max(q, 1e-300) / data.n if level.value is None else level.value**2
-            for level, q in zip(data.levels, rss.tolist(), strict=True)
-        ]
-    )
-    weight = 1 / (np.sqrt(sigma2)[:, None] * data.deviations)
+    sigma = data.bounded_sigma(rss)[:, None]
+    weight = 1 / (sigma * data.deviations)
     jacobian = (pixels[1:].imag / STEP * weight).reshape(len(free), -1)
     z, tilt = _prior_residuals(geometry, prior, theta, tau)
     prior_jacobian = z[1:].imag / STEP
-    misfit = (residual / np.sqrt(sigma2)[:, None]).ravel()
+    misfit = (residual / sigma).ravel()
     slope = jacobian @ misfit - prior_jacobian @ z[0].real + tilt[1:].imag / STEP
     precision = jacobian @ jacobian.T + prior_jacobian @ prior_jacobian.T
-    value = data.log_likelihood(rss) - float(z[0].real @ z[0].real) / 2 + float(tilt[0].real)
+    value = (
+        data.bounded_log_likelihood(rss) - float(z[0].real @ z[0].real) / 2 + float(tilt[0].real)
+    )
     return value, slope, precision
 
 

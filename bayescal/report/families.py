@@ -9,8 +9,10 @@ from rich.text import Text
 from bayescal.comparison.families import FamilyComparison, JointModel
 from bayescal.comparison.verdict import percent
 from bayescal.comparison.weak import correlation, weak_combinations
-from bayescal.inference.posterior import ParameterSummary
+from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary
 from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.models import bivariate
+from bayescal.points.setup import AXES
 from bayescal.report.grid import Cell, Column, Table
 from bayescal.report.render import laid_out
 from bayescal.rounding import rounded, significant
@@ -42,6 +44,11 @@ def families_view(found: FamilyComparison) -> RenderableType:
     ]
     if any(found.models[i].warnings or not found.models[i].sound for i in rows):
         notes.append("! marks an evidence that should not be trusted; --json says why.")
+    if not all(found.models[i].elpd_reliable for i in rows):
+        notes.append(
+            "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
+            "0.7, or 0.64 of 600 draws): neither it nor its differences should be trusted."
+        )
     if left:
         notes.append(f"{left} less probable models are not shown (--json has them).")
     parts += [Padding(Text(line), (0, 0, 0, 2)) for line in (*notes, *found.notes)]
@@ -69,6 +76,12 @@ def joint_fit_view(found: FamilyComparison) -> RenderableType:
     parts += [Text(f"caveat: {c}.") for c in found.verdict.caveats]
     if model.posterior is not None:
         parts += [*_parameters(model), *_weak(model.posterior), _sampling(found)]
+    if model.exact:
+        parts += [Text(""), _exact_parameters(model)]
+        if model.name.family == bivariate.NAME:
+            parts.append(
+                Text("first power: of x/z in r (alpha), of y/z in c (beta); second: of the other.")
+            )
     return Group(*parts)
 
 
@@ -93,7 +106,7 @@ def models_table(found: FamilyComparison, rows: list[int]) -> RenderableType:
                 f"{m.bic - lowest_bic:.1f}",
                 f"{m.log_evidence:.2f}{flag}",
                 _error(m.log_evidence_error),
-                "" if m.elpd is None else f"{m.elpd:.1f}",
+                "" if m.elpd is None else f"{m.elpd:.1f}{'' if m.elpd_reliable else '?'}",
                 "" if m.elpd_se is None else f"{m.elpd_se:.1f}",
                 _difference(m, best),
                 percent(found.probabilities[i]),
@@ -163,6 +176,20 @@ def _parameters(model: JointModel) -> list[RenderableType]:
     rows = [_row(p) for p in posterior.parameters]
     heads = [str(model.name), "unit", "mean", "sd", "95% interval", "MCSE", "ESS", "R-hat"]
     return [_table(heads, rows, spare=("MCSE",))]
+
+
+def _exact_parameters(model: JointModel) -> RenderableType:
+    """Coefficients and noise of both axes, of which the closed form knows all."""
+    rows = []
+    for axis, posterior in zip(AXES, model.exact, strict=True):
+        numbers = zip(*posterior.summary, posterior.intervals(INTERVAL_PROBABILITY), strict=True)
+        for name, (mean, sd, (low, high)) in zip(posterior.model.names, numbers, strict=True):
+            kind = name.split("_")[0]
+            shown = name if kind == posterior.model.symbol else f"{name}_{axis}"
+            interval = f"{rounded(low, sd)} to {rounded(high, sd)}"
+            row = [shown, UNITS.get(kind, ""), rounded(mean, sd), significant(sd), interval]
+            rows.append(row)
+    return _table([f"{model.name} (exact)", "unit", "mean", "sd", "95% interval"], rows)
 
 
 def _row(p: ParameterSummary) -> list[str]:

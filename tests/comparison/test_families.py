@@ -16,6 +16,8 @@ from bayescal.comparison.families import (
 from bayescal.comparison.weak import weak_combinations
 from bayescal.errors import InputError
 from bayescal.models.camera_prior import position_prior
+from bayescal.report.families import families_view
+from bayescal.report.render import render
 from tests.cameras import turned_points
 
 
@@ -168,3 +170,23 @@ def test_the_hint_is_given_where_it_is_due():
     exact = np.column_stack([960 + 1100 * w, 540 - 1100 * u])
     noisy = exact + np.random.default_rng(0).normal(0, 2, exact.shape)
     assert bc.compare(replace(points, pixels=noisy), [1, 2], ess=100).hint is None
+
+
+def test_leave_one_out_is_marked_where_its_weights_fail():
+    """On the thesis data single points move a free position; with even noise none does."""
+    points = bc.thesis()
+    away = points.camera_frame()
+    exact = 1100 * away[:, :2] / away[:, 2:] * [1, -1] + [960, 540]
+    noisy = exact + np.random.default_rng(0).normal(0, 2, exact.shape)
+    for data, all_good in ((points, False), (replace(points, pixels=noisy), True)):
+        both = ["stated", "free"]
+        found = bc.compare_families(data, ["bivariate"], [1], position=both, ess=100)
+        shown = render(families_view(found), terminal=False)
+        assert max(len(line) for line in shown.splitlines()) <= 100
+        assert found["bivariate 1, position stated"].elpd_reliable
+        free = found["bivariate 1, position free"]
+        assert (free.pareto_k < free.k_limit) == all_good
+        for model in found.models:
+            mark = "" if model is not free or all_good else "?"
+            assert f" {model.elpd:.1f}{mark} " in shown
+        assert ("? marks an elpd" in shown) != all_good

@@ -13,7 +13,7 @@ from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.student_t import StudentT
-from tests.cameras import problem, turned_points
+from tests.cameras import TURNED, problem, turned_points
 
 
 def model(points, order, noise=None, **options) -> PinholeModel:
@@ -115,3 +115,25 @@ def test_student_t_noise_of_many_degrees_is_gaussian():
     heavy = model(bc.thesis(), 0, StudentT(1e8), levels=levels)
     theta = np.random.default_rng(0).normal(0, 1, (5, plain.dimension))
     np.testing.assert_allclose(heavy.log_prob(theta), plain.log_prob(theta), atol=1e-4)
+
+
+def test_pixels_without_noise_put_sigma_at_its_lower_bound():
+    """Then p(sigma | data) falls as sigma^-(n - a + 1), a the parameters the axis determines.
+
+    Its mean is lower * (n - a) / (n - a - 1), with a from 0 to all ten. A proposal as
+    narrow as the residuals, 1e-12 px, would miss a posterior that is 0.01 px wide.
+    """
+    truth = {**TURNED, "k": ()}
+    made = model(turned_points(0.0, truth=truth), 0)
+    found = sampled(made, ess=400)
+    assert found.converged
+    assert found.estimate.certain
+    assert found.estimate.effective_fraction > 0.5
+    n, lower = made.data.n, 0.01
+    for axis in "rc":
+        sigma = found[f"sigma_{axis}"]
+        ends = [lower * (n - a) / (n - a - 1) for a in (0, made.dimension)]
+        assert ends[0] - 4 * sigma.mcse_mean < sigma.mean < ends[1] + 4 * sigma.mcse_mean
+    for name, value in zip("xyz", truth["position"], strict=True):
+        place = found[f"position_{name}"]
+        assert place.mean == pytest.approx(value, abs=4 * place.sd)
