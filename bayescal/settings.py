@@ -156,7 +156,7 @@ def noise_level(
         Where the level asked for can't be had from these data.
     """
     pixels, level, source = _pixel_noise(data, settings, other)
-    if settings.choice.robust:
+    if settings.choice.robust and data.axis != "y":
         level = level.on_readings(pixels.t, pixels.sd)
     if data.x_sd is None or not data.x_sd.any():
         return pixels, level, source
@@ -168,7 +168,12 @@ def noise_level(
     alone = pixels.sd if pixels.sd is not None else np.full(len(data), level.value)
     combined = with_effective_deviations(pixels, alone, order)
     source += "; with the errors of the world coordinates, as effective variances"
-    return combined, level if level.source == "scale" else NoiseLevel.known(1.0), source
+    if level.source != "scale":
+        return combined, NoiseLevel.known(1.0), source
+    scale = NoiseLevel.scale()
+    if settings.choice.robust:
+        scale = scale.on_readings(combined.t, combined.sd)
+    return combined, scale, source
 
 
 def _pixel_noise(

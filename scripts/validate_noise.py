@@ -32,14 +32,14 @@ HEADING = "## Robust noise"
 LIVE = 1000
 SEEDS = 10
 DESIGN = Design()
-BINS = 16
+BINS = 8
 LEVEL = 1e-3  # of all ranks of a noise model together
 
 
 def main() -> int:
     """Measure, print or write; 1 where something is not as it should be."""
     parser = argparse.ArgumentParser(prog="scripts/validate-noise", description=__doc__)
-    parser.add_argument("--sets", type=int, default=256, help="data sets of each noise (256)")
+    parser.add_argument("--sets", type=int, default=128, help="data sets of each noise (128)")
     parser.add_argument("--seed", type=int, default=0, help="of all randomness (0)")
     parser.add_argument(
         "--out", metavar="FILE.md", help=f"put the section {HEADING!r} into this file (printed)"
@@ -67,8 +67,8 @@ def report(options: argparse.Namespace, failed: list[str]) -> Iterator[str]:
         f"`scripts/validate-noise --sets {options.sets} --seed {options.seed}`.",
         "",
         f"Log evidence against nested sampling (dynesty, random walks, {LIVE} live points, the "
-        "priors written apart from the",
-        f"program's), and over {SEEDS} seeds; sigma and tau inferred:",
+        "priors of amplitudes, tau and nu written",
+        f"apart from the program's), and over {SEEDS} seeds; sigma and tau inferred:",
         "",
         "| model | ln Z | dynesty | difference, standard errors | sd over seeds, nat "
         "| largest bridge less importance, nat |",
@@ -94,11 +94,10 @@ def report(options: argparse.Namespace, failed: list[str]) -> Iterator[str]:
     for i, (name, noise) in enumerate(NOISES.items()):
         rng = np.random.default_rng([options.seed, i])
         names, found = posteriors(noise, DESIGN, options.sets, rng)
-        p = holm(p_values(ranks(found), BINS))
-        control = holm(p_values(ranks(found, 0.7), BINS)).min()
-        failed += [name] * (p.min() < LEVEL or control > LEVEL)
-        worst = names[int(p.argmin())]
-        yield f"| {name} | {len(names)} | {p.min():.3f} | {worst} | {control:.1g} |"
+        raw = p_values(ranks(found), BINS)
+        p, control = holm(raw).min(), holm(p_values(ranks(found, 0.7), BINS)).min()
+        failed += [name] * bool(p < LEVEL or control > LEVEL)
+        yield f"| {name} | {len(names)} | {p:.3f} | {names[int(raw.argmin())]} | {control:.1g} |"
     yield ""
     yield f"Not as it should be: {', '.join(failed)}." if failed else "All as it should be."
 
@@ -141,7 +140,8 @@ def nested(name: str, model: RobustLinearModel, seed: int) -> tuple[str, bool]:
     )
     sampler.run_nested(dlogz=0.01, print_progress=False)
     peer, error = float(sampler.results.logz[-1]), float(sampler.results.logzerr[-1])
-    values = [e.log_evidence for e in found]
+    values = [e.log_evidence for e in found]  # dynesty's prior lies within sigma's bounds
+    peer += math.log(model.level.mass)
     off = (values[0] - peer) / math.hypot(error, found[0].error)
     spread = float(np.std(values, ddof=1))
     bridge = max(abs(e.bridge - e.log_evidence) for e in found)

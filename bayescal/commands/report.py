@@ -121,6 +121,7 @@ def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy
             bad_offset=asked.bad_offset,
             seed=asked.seed,
             progress=progress.named,
+            **({} if options.ess is None else {"ess": options.ess}),
         )
 
 

@@ -226,10 +226,9 @@ class PinholeModel:
         for level in self.data.levels:
             inside = np.ones(len(columns), dtype=bool)
             if level.value is None:
-                log_s = columns[:, at]
+                log_sigma = columns[:, at]
                 lower, upper = level.log_bounds
-                inside = (log_s >= lower) & (log_s <= upper)
-                log_sigma = level.log_sigma(log_s)
+                inside = (log_sigma >= lower) & (log_sigma <= upper)
                 at += 1
             else:
                 log_sigma = np.full(len(columns), np.log(level.value))

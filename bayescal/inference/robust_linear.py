@@ -32,9 +32,9 @@ MAD = 0.6744897501960817
 class RobustLinearModel:
     """Pixels t = design @ b + noise, of any noise model; a `SampledModel`.
 
-    theta: the amplitudes b, px; the probit of where ln s lies between its bounds (s is sigma
-    but for the rounding of the readings), where sigma is inferred; then eta of the noise
-    model. An inferred tau is integrated out, and drawn by `complete` as a last column, ln tau.
+    theta: the amplitudes b, px; the probit of where ln sigma lies between its bounds,
+    where sigma is inferred; then eta of the noise model. An inferred tau is integrated
+    out, and drawn by `complete` as a last column, ln tau.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class RobustLinearModel:
             data.t,
             data.sd,
             prior,
-            level.on_readings(data.t, data.sd),
+            level if data.axis == "y" else level.on_readings(data.t, data.sd),
             noise,
             monomials.lead(order),
             tuple(f"{data.symbol}_{powers}" for powers in monomials.suffixes),
@@ -134,7 +134,7 @@ class RobustLinearModel:
         if self.level.value is not None:
             return np.full(len(theta), math.log(self.level.value))
         lower, upper = self.level.log_bounds
-        return self.level.log_sigma(lower + (upper - lower) * ndtr(theta[:, self.size]))
+        return np.asarray(lower + (upper - lower) * ndtr(theta[:, self.size]))
 
     def eta(self, theta: Array) -> Array:
         """Coordinates of the noise model at each draw, ``(n_draws, noise.dimension)``."""
@@ -155,7 +155,7 @@ class RobustLinearModel:
         likelihood = self.log_likelihood(theta).sum(axis=1)
         density: Array = likelihood + self.noise.log_prior(self.eta(theta))
         if self.infers_sigma:
-            density += -(theta[:, self.size] ** 2 + LOG_2PI) / 2
+            density += -(theta[:, self.size] ** 2 + LOG_2PI) / 2 + math.log(self.level.mass)
         density += self._log_amplitude_prior(theta[:, : self.size])
         return np.where(np.isnan(density), -np.inf, density)
 
@@ -189,8 +189,7 @@ class RobustLinearModel:
         if not self.infers_sigma:
             return np.concatenate([amplitudes, eta])
         lower, upper = self.level.log_bounds
-        s = math.sqrt(max(scale**2 - self.level.rounding**2, math.exp(2 * lower)))
-        share = (math.log(s) - lower) / (upper - lower)
+        share = (math.log(max(scale, math.exp(lower))) - lower) / (upper - lower)
         return np.array([*amplitudes, ndtri(min(max(share, 0.01), 0.99)), *eta])
 
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:
@@ -234,7 +233,7 @@ class RobustLinearModel:
         """Posterior probability that sigma lies within 5 % of its lower, upper bound."""
         if not self.infers_sigma:
             return 0.0, 0.0
-        lower, upper = self.level.log_sigma(np.array(self.level.log_bounds))
+        lower, upper = self.level.log_bounds
         log_sigma, edge = self.log_sigma(full), math.log1p(0.05)
         return (
             float(np.mean(log_sigma < lower + edge)),

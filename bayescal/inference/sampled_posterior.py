@@ -125,14 +125,19 @@ def sample_model(
         # The last component spans the whole posterior.
         root = proposal.roots[-1]
         adapted = Adapted(proposal, proposal.means[-1], root @ root.T)
+    attempts = []
     for child in children:
         found = _attempt(model, modes, adapted, child, ess, evidence_draws)
-        estimate = found.estimate
-        if found.converged and estimate.certain and estimate.effective_fraction > FITTED:
+        attempts.append(found)
+        if _soundness(found) >= (True, True, FITTED):
             break
         theta = found.chain.theta.reshape(-1, model.dimension)
         adapted = refine(adapted, modes, theta, found.chain.log_prob.ravel())
-    return found
+    return max(attempts, key=_soundness)
+
+
+def _soundness(found: SampledPosterior) -> tuple[bool, bool, float]:
+    return found.converged, found.estimate.certain, found.estimate.effective_fraction
 
 
 def _attempt(

@@ -9,8 +9,10 @@ from bayescal.arrays import Array
 TRIALS, STEPS = 200, 30
 # Fits kept: those of the smallest scales that differ by more than their scale somewhere.
 KEPT = 8
-# Points beyond this many are thinned evenly before the search.
+# Of more points than this a random sample is searched.
 POINTS = 500
+# Fits that differ by less than this share of the readings' span differ by rounding.
+ROUNDING = 1e-9
 
 
 def trimmed_fits(design: Array, t: Array) -> list[tuple[Array, float]]:
@@ -33,12 +35,13 @@ def trimmed_fits(design: Array, t: Array) -> list[tuple[Array, float]]:
     list of tuple
         Amplitudes, and root mean square of the half's residuals, px; at most `KEPT`.
     """
-    thinned = slice(None, None, -(-len(t) // POINTS))
-    x, y = design[thinned], t[thinned]
+    rng = np.random.default_rng(0)
+    sample = rng.permutation(len(t))[:POINTS]
+    x, y = design[sample], t[sample]
     n, p = x.shape
     if n <= p + 1:
         return []
-    half, rng = (n + p + 1) // 2, np.random.default_rng(0)
+    half = (n + p + 1) // 2
     found = []
     for _ in range(TRIALS):
         chosen = rng.choice(n, p + 1, replace=False)
@@ -51,8 +54,10 @@ def trimmed_fits(design: Array, t: Array) -> list[tuple[Array, float]]:
         found.append((amplitudes, float(np.sqrt(np.mean(distance[chosen] ** 2)))))
     found.sort(key=lambda fit: fit[1])
     kept: list[tuple[Array, float]] = []
+    same = ROUNDING * float(np.ptp(y))
     for amplitudes, scale in found:
-        if all(np.abs(x @ (amplitudes - other)).max() > scale for other, _ in kept):
+        far = max(scale, same)
+        if all(np.abs(x @ (amplitudes - other)).max() > far for other, _ in kept):
             kept.append((amplitudes, scale))
         if len(kept) == KEPT:
             break

@@ -130,7 +130,7 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
             "per_point": per_point,
             "sigma_bounds_px": bounds if noise.source == "inferred" else None,
             "scale_bounds": bounds if noise.source == "scale" else None,
-            "sigma_rounding": noise.rounding or None,
+            "sigma_prior_mass": noise.mass,
             "reference_sigma_px": None if per_point else reference.value,
             "reference": reference.source,
             "reference_dof": reference.dof,

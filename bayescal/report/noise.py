@@ -6,7 +6,7 @@ from typing import Any
 
 from bayescal.comparison.results import AxisComparison
 from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.noise.outlier_mixture import OutlierMixture
 from bayescal.models.noise.student_t import RATE, SHAPE, StudentT
@@ -59,10 +59,18 @@ def level_words(level: NoiseLevel) -> str:
         return ""
     name, unit = level.parameter, "" if level.source == "scale" else " px"
     bounds = "uniform from {:.4g} to {:.4g}".format(*level.bounds)
-    if not level.rounding:
-        return f" (ln {name} {bounds}{unit})"
-    floor = f"{level.rounding:.2g}{unit}"
-    return f" ({name}² = s² + ({floor})², for whole pixels; ln s {bounds}{unit})"
+    ruled_out = f"; below, ruled out by whole-pixel rounding, {1 - level.mass:.0%} of the prior"
+    return f" (ln {name} {bounds}{unit}{ruled_out if level.mass < 1 else ''})"
+
+
+def floor_words(data: AxisData, level: NoiseLevel) -> str:
+    """Say where robust noise rules out part of sigma's prior that Gaussian noise keeps."""
+    if data.axis == "y" or level.on_readings(data.t, data.sd).mass == 1:
+        return ""
+    return (
+        f" Robust noise rules out sigma below the rounding of whole pixels, {WHOLE_PIXEL:.2g} px; "
+        "above it the prior is the same."
+    )
 
 
 def noise_document(axis: AxisComparison) -> dict[str, Any]:

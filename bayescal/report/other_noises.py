@@ -8,7 +8,7 @@ from bayescal.comparison.noise_evidence import NoiseEvidence, in_words, named
 from bayescal.comparison.results import AxisComparison
 from bayescal.inference.posterior import Posterior
 from bayescal.report.grid import Cell, Column, Table, number_cell
-from bayescal.report.noise import MARK, shape_words
+from bayescal.report.noise import MARK, floor_words, shape_words
 from bayescal.report.robust import error_cell
 from bayescal.rounding import significant
 
@@ -16,7 +16,8 @@ from bayescal.rounding import significant
 def other_noise_lines(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> list[str]:
     """Say under which priors the other noise models were judged."""
     words = "; ".join(shape_words(named(found.name, axis.data), axis.data) for found in noises)
-    return [f"Other noise: {words}. Coefficients and sigma have the priors above."]
+    same = f"Coefficients and sigma have the priors above.{floor_words(axis.data, axis.noise)}"
+    return [f"Other noise: {words}. {same}"]
 
 
 def noises_document(noises: tuple[NoiseEvidence, ...]) -> list[dict[str, Any]]:

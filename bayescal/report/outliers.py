@@ -17,7 +17,7 @@ from bayescal.comparison.verdict import percent
 from bayescal.report.document import versions
 from bayescal.report.facts import points_facts
 from bayescal.report.grid import Cell, Column, Table, number_cell
-from bayescal.report.noise import MARK
+from bayescal.report.noise import MARK, floor_words
 from bayescal.report.render import indented, laid_out
 from bayescal.rounding import counted
 
@@ -136,7 +136,7 @@ def footnotes(axis: AxisOutliers, significance: float, *, everything: bool) -> l
     lines = [
         f"P(bad): outlier mixture; weight t: Student-t noise; rejected: chi-squared test, "
         f"{100 * significance:g} % for all points together. ± of a prediction: of the model, "
-        "without the noise of a reading."
+        f"without the noise of a reading.{floor_words(axis.data, axis.level)}"
     ]
     if rest:
         lines[0] += (

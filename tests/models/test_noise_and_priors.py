@@ -32,21 +32,19 @@ def test_ln_tau_is_uniform_between_a_thousandth_and_a_half():
 
 
 def test_an_inferred_sigma_stays_above_the_rounding_of_whole_pixels():
-    """Truth: the variance of a uniform of width 1, added; simulated: rounded noise has it."""
+    """Truth: the deviation of a uniform of width 1; the density above it is as without."""
     whole, fine = np.array([3.0, 5.0, 8.0]), np.array([3.0, 5.0, 8.25])
-    level = NoiseLevel.inferred().on_readings(whole)
-    assert level.rounding == pytest.approx(stats.uniform.std())
-    s = np.array([0.01, 1.0, 1000.0])
-    assert np.exp(level.log_sigma(np.log(s))) == pytest.approx(np.sqrt(s**2 + 1 / 12), rel=1e-14)
-    rng = np.random.default_rng(1)
-    noise = rng.normal(1e3 * rng.random(100_000), 0.7)
-    spread = float(np.std(np.round(noise) - noise + rng.normal(0, 0.7, 100_000)))
-    assert np.exp(level.log_sigma(np.log([0.7])))[0] == pytest.approx(spread, abs=4 * 0.76 / 447)
-    assert NoiseLevel.inferred().on_readings(fine) == NoiseLevel.inferred()
+    free = NoiseLevel.inferred()
+    level = free.on_readings(whole)
+    assert level.bounds == pytest.approx((stats.uniform.std(), 1000))
+    assert level.log_prior() == pytest.approx(free.log_prior(), rel=1e-14)
+    above = stats.loguniform(0.01, 1000).sf(stats.uniform.std())
+    assert level.mass == pytest.approx(above, rel=1e-12)
+    assert level.on_readings(whole) == level
+    assert free.on_readings(fine) == free
     assert NoiseLevel.known(0.1).on_readings(whole) == NoiseLevel.known(0.1)
-    assert NoiseLevel.scale().on_readings(whole, np.full(3, 2.0)).rounding == pytest.approx(
-        stats.uniform.std() / 2
-    )
+    scaled = NoiseLevel.scale().on_readings(whole, np.array([2.0, 2.0, 1e4]))
+    assert scaled.bounds[0] == pytest.approx(stats.uniform.std() / 2)
 
 
 def test_known_sigma_and_fixed_tau_have_no_density():

@@ -38,16 +38,16 @@ class NoiseLevel:
         uniform between them.
     dof : int or None
         Degrees of freedom of a sigma from replicates.
-    rounding : float
-        Deviation of the readings' rounding, px (of a scale: in units of the points' own
-        deviations), below which an inferred sigma of robust noise can't fall; 0: none.
+    mass : float
+        Share of the prior of an inferred sigma that lies between the bounds: below 1 where
+        the rounding of the readings rules the rest out.
     """
 
     source: str
     value: float | None
     bounds: tuple[float, float] | None
     dof: int | None = None
-    rounding: float = 0.0
+    mass: float = 1.0
 
     @classmethod
     def known(cls, sigma: float) -> NoiseLevel:
@@ -89,35 +89,33 @@ class NoiseLevel:
         return math.log(self.bounds[0]), math.log(self.bounds[1])
 
     def on_readings(self, t: Array, sd: Array | None = None) -> NoiseLevel:
-        """Put the rounding of whole-pixel readings under an inferred sigma.
+        """Rule out an inferred sigma below the rounding of whole-pixel readings.
 
-        sigma^2 = s^2 + rounding^2, and s has the prior that sigma had (Sheppard 1898, Proc.
-        London Math. Soc. 29, 353). Whole numbers at equal regressors are equal whatever the
-        noise, and a density grows without limit about equal readings: with a free bad fraction
-        20 of the thesis's 57 readings of c were "good" at sigma = 0.011 px, the rest bad, with
-        an evidence 19 nat above that of all other fits together.
+        Where noise is well below a pixel, readings at equal regressors are equal numbers, and
+        a density grows without limit about them: with a free bad fraction 20 of the thesis's
+        57 readings of c were "good" at sigma = 0.011 px, the rest bad, with an evidence 19 nat
+        above that of all other fits together. The density above the bound is as before, so
+        that evidences stay comparable with those of other noise.
 
         Parameters
         ----------
         t : Array
             Readings, ``(n_points,)``, px.
         sd : Array, optional
-            The points' own deviations, ``(n_points,)``, px.
+            The points' own deviations, ``(n_points,)``, px; their median counts.
         """
-        if self.value is not None or not (t == np.round(t)).all():
+        if self.bounds is None or not (t == np.round(t)).all():
             return self
-        unit = 1.0 if sd is None else math.sqrt(float(np.mean(sd**2)))
-        return replace(self, rounding=WHOLE_PIXEL / unit)
-
-    def log_sigma(self, log_s: Array) -> Array:
-        """Ln sigma of ln s, which is uniform between the bounds; the same without rounding."""
-        if not self.rounding:
-            return log_s
-        return np.asarray(np.logaddexp(2 * log_s, 2 * math.log(self.rounding)) / 2)
+        lower, upper = self.bounds
+        raised = WHOLE_PIXEL / (1.0 if sd is None else float(np.median(sd)))
+        if not lower < raised < upper:
+            return self
+        kept = math.log(upper / raised) / math.log(upper / lower)
+        return replace(self, bounds=(raised, upper), mass=self.mass * kept)
 
     def log_prior(self) -> float:
-        """Log density of ln s inside the bounds; 0 where sigma is known."""
+        """Log density of ln sigma inside the bounds; 0 where sigma is known."""
         if self.bounds is None:
             return 0.0
         lower, upper = self.log_bounds
-        return -math.log(upper - lower)
+        return math.log(self.mass / (upper - lower))
