@@ -89,6 +89,11 @@ def _page(options: argparse.Namespace) -> tuple[Page, list[str], bool]:
     if kept and schema_of(Path(options.points)) == OUTLIERS:
         from bayescal.report.outliers_run import open_outliers
 
+        if options.outliers:
+            raise InputError(
+                f"{options.points}: is a run of outliers, which the page is about anyway; leave "
+                "out --outliers"
+            )
         found = open_outliers(options.points)
         lines = [f"{name}: {axis.verdict}" for name, axis in found.axes.items()]
         return study_page(found, options.command_line), lines, found.sound

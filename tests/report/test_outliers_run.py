@@ -59,6 +59,13 @@ def test_report_shows_the_section(run, tmp_path):
     assert "Points 16 and 19 share" in text
 
 
+def test_it_is_not_asked_for_what_it_is(run, tmp_path):
+    done = here("report", run, "--outliers", "--out", tmp_path / "a.html")
+    assert (done.code, done.err.count("\n")) == (2, 1)
+    assert "leave out --outliers" in done.err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_other_readers_refuse_it(run, tmp_path):
     with pytest.raises(InputError, match="outliers/1"):
         bc.open_run(run)
