@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import re
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bayescal.files import write_whole
 from bayescal.inference.quadrature import COARSE, FINE
 from scripts.calibration import STANDARD_ERRORS, Claims, draw, log_evidences
+from scripts.sections import options_of, publish
 
 HEADING = "## Calibrated probabilities"
 SIZES = (30, 57, 200)
@@ -29,15 +27,7 @@ QUICK = dataclasses.replace(COARSE, tau_nodes=25)
 
 def main() -> int:
     """Measure, print or write; 1 where a probability is not what it says."""
-    parser = argparse.ArgumentParser(prog="scripts/calibrate", description=__doc__)
-    parser.add_argument("--sets", type=int, default=5000, help="data sets of each kind (5000)")
-    parser.add_argument("--seed", type=int, default=0, help="of all randomness (0)")
-    parser.add_argument(
-        "--out", metavar="FILE.md", help=f"put the section {HEADING!r} into this file (printed)"
-    )
-    options = parser.parse_args()
-    if options.sets < 10 or options.seed < 0:
-        parser.error("--sets must be at least 10, --seed not negative")
+    options = options_of("scripts/calibrate", __doc__, HEADING, 5000, 10)
     with threadpool_limits(1):
         from_prior = {n: measured(options, n) for n in SIZES}
         fixed = {
@@ -47,12 +37,7 @@ def main() -> int:
             for n in SIZES
         }
     section = "\n".join(report(options, from_prior, fixed)) + "\n"
-    if options.out is None:
-        sys.stdout.write(section)
-    else:
-        place = Path(options.out)
-        text = place.read_text(encoding="utf-8") if place.exists() else ""
-        write_whole(place, with_section(text, section).encode(), force=True)
+    publish(section, HEADING, options.out)
     return 0 if all(honest(claims) for claims in from_prior.values()) else 1
 
 
@@ -71,14 +56,6 @@ def measured(
 def honest(claims: Claims) -> bool:
     """Whether every bin is calibrated and the very strong claims are not wrong too often."""
     return all(b.calibrated for b in claims.bins()) and claims.very_strong().honest
-
-
-def with_section(text: str, section: str, heading: str = HEADING) -> str:
-    """Replace the section of a Markdown text, or add it at the end."""
-    pattern = re.compile(rf"^{re.escape(heading)}$.*?(?=^## |\Z)", re.MULTILINE | re.DOTALL)
-    if pattern.search(text):
-        return pattern.sub(lambda _: section + "\n", text).rstrip("\n") + "\n"
-    return f"{text.rstrip()}\n\n{section}".lstrip("\n")
 
 
 def report(

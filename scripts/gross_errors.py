@@ -6,14 +6,12 @@ import argparse
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from scipy.special import logsumexp, softmax
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.files import write_whole
 from bayescal.inference.adaptation import adapt
 from bayescal.inference.evidence import log_evidences
 from bayescal.inference.optimum import Mode, find_modes
@@ -25,8 +23,8 @@ from bayescal.models.linear import AxisData
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.outlier_mixture import OutlierMixture
 from bayescal.models.priors import PriorRule
-from scripts.calibrate import with_section
 from scripts.calibration import ORDERS, WIDTH, draw, regressors
+from scripts.sections import options_of, publish
 
 HEADING = "## Gross errors"
 RATES = (0.0, 0.05, 0.15)
@@ -73,24 +71,11 @@ class Outcome:
 
 def main() -> int:
     """Measure, print or write; 1 where the mixture does worse than it should."""
-    parser = argparse.ArgumentParser(prog="scripts/gross-errors", description=__doc__)
-    parser.add_argument("--sets", type=int, default=500, help="data sets of each kind (500)")
-    parser.add_argument("--seed", type=int, default=0, help="of all randomness (0)")
-    parser.add_argument(
-        "--out", metavar="FILE.md", help=f"put the section {HEADING!r} into this file (printed)"
-    )
-    options = parser.parse_args()
-    if options.sets < 10 or options.seed < 0:
-        parser.error("--sets must be at least 10, --seed not negative")
+    options = options_of("scripts/gross-errors", __doc__, HEADING, 500, 10)
     with threadpool_limits(1):
         outcomes = {rate: measured(options.sets, options.seed, rate) for rate in RATES}
     section = "\n".join(report(options, outcomes)) + "\n"
-    if options.out is None:
-        sys.stdout.write(section)
-    else:
-        place = Path(options.out)
-        text = place.read_text(encoding="utf-8") if place.exists() else ""
-        write_whole(place, with_section(text, section, HEADING).encode(), force=True)
+    publish(section, HEADING, options.out)
     return 0 if all(holds(found) for found in outcomes.values()) else 1
 
 

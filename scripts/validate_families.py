@@ -25,7 +25,6 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.files import write_whole
 from bayescal.inference.arviz_bridge import diagnose
 from bayescal.inference.estimate import from_weights
 from bayescal.inference.laplace_mixture import mixture_about
@@ -40,8 +39,8 @@ from bayescal.models.priors import TAU_BOUNDS
 from bayescal.points.camera import StatedCamera
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import Setup
-from scripts.calibrate import with_section
 from scripts.ranks import DRAWS, holm, p_values, ranks
+from scripts.sections import publish
 from tests.cameras import problem, turned_points
 
 LIVE = 1000
@@ -289,12 +288,7 @@ def main() -> None:
             heading, lines = PARTS[part]
             asked = f"`scripts/validate-families {part} --sets {options.sets}`."
             section = "\n".join([heading, "", asked, "", *lines(options.sets)]) + "\n"
-            if options.out is None:
-                sys.stdout.write(section + "\n")
-                continue
-            place = Path(options.out)
-            text = place.read_text(encoding="utf-8") if place.exists() else ""
-            write_whole(place, with_section(text, section, heading).encode(), force=True)
+            publish(section, heading, options.out)
 
 
 if __name__ == "__main__":

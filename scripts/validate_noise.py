@@ -6,7 +6,6 @@ import argparse
 import math
 import sys
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import dynesty
 import numpy as np
@@ -15,7 +14,6 @@ from threadpoolctl import threadpool_limits
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.files import write_whole
 from bayescal.inference.robust_linear import RobustLinearModel
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.models.linear import generic_axis
@@ -24,9 +22,9 @@ from bayescal.models.noise.outlier_mixture import OutlierMixture
 from bayescal.models.noise.student_t import StudentT
 from bayescal.models.priors import PriorRule
 from bayescal.models.separable import axis_data
-from scripts.calibrate import with_section
 from scripts.noise_calibration import NOISES, Design, X, posteriors
 from scripts.ranks import holm, p_values, ranks
+from scripts.sections import options_of, publish
 
 HEADING = "## Robust noise"
 LIVE = 1000
@@ -38,24 +36,11 @@ LEVEL = 1e-3  # of all ranks of a noise model together
 
 def main() -> int:
     """Measure, print or write; 1 where something is not as it should be."""
-    parser = argparse.ArgumentParser(prog="scripts/validate-noise", description=__doc__)
-    parser.add_argument("--sets", type=int, default=128, help="data sets of each noise (128)")
-    parser.add_argument("--seed", type=int, default=0, help="of all randomness (0)")
-    parser.add_argument(
-        "--out", metavar="FILE.md", help=f"put the section {HEADING!r} into this file (printed)"
-    )
-    options = parser.parse_args()
-    if options.sets < 64 or options.seed < 0:
-        parser.error("--sets must be at least 64, --seed not negative")
+    options = options_of("scripts/validate-noise", __doc__, HEADING, 128, 64)
     failed: list[str] = []
     with threadpool_limits(1):
         section = "\n".join(report(options, failed)) + "\n"
-    if options.out is None:
-        sys.stdout.write(section)
-    else:
-        place = Path(options.out)
-        text = place.read_text(encoding="utf-8") if place.exists() else ""
-        write_whole(place, with_section(text, section, HEADING).encode(), force=True)
+    publish(section, HEADING, options.out)
     return bool(failed)
 
 

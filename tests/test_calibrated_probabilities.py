@@ -16,7 +16,7 @@ from scipy import stats
 from bayescal.arrays import Array
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.quadrature import FINE
-from scripts.calibrate import HEADING, QUICK, SIZES, honest, with_section
+from scripts.calibrate import HEADING, QUICK, SIZES, honest
 from scripts.calibration import (
     ORDERS,
     WIDTH,
@@ -27,6 +27,7 @@ from scripts.calibration import (
     log_evidences,
     poisson_binomial_quantile,
 )
+from scripts.sections import with_section
 from tests.problems import make_axis, make_model
 
 SETS = 1000
@@ -103,11 +104,11 @@ def test_the_quantile_of_unequal_chances_sums_over_all_outcomes():
 def test_the_section_is_replaced_and_nothing_else():
     before, after = "# Title\n\ntext\n", "## Next\n\nmore\n"
     section = f"{HEADING}\n\nnew \\1 numbers\n"
-    added = with_section(before, section)
+    added = with_section(before, section, HEADING)
     assert added == f"{before}\n{section}"
-    assert with_section(added, section) == added
+    assert with_section(added, section, HEADING) == added
     old = f"{before}\n{HEADING}\n\nold\n\n{after}"
-    assert with_section(old, section) == f"{before}\n{section}\n{after}"
+    assert with_section(old, section, HEADING) == f"{before}\n{section}\n{after}"
 
 
 def test_errors_of_a_bin_count_that_one_order_is_true():

@@ -23,8 +23,7 @@ from bayescal.inference.t_mixture import TMixture, cholesky
 EVIDENCE_DRAWS = 20_000
 Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 # Where a chain does not converge, its evidence can't be trusted or rests on a smaller fraction of
-# the draws than this, the proposal is fitted to that chain's draws, and all is done anew.
-ATTEMPTS = 2
+# the draws than this, the proposal is fitted to that chain's draws, and all is done once more.
 FITTED = 0.2
 
 
@@ -112,7 +111,7 @@ def sample_model(
     InputError
         Where the density is zero at every start of the model.
     """
-    for_proposal, *children = rng.spawn(1 + ATTEMPTS)
+    for_proposal, for_first, for_second = rng.spawn(3)
     if guess is None:
         modes = find_modes(model.log_prob, model.starts())
         if not modes:
@@ -125,15 +124,13 @@ def sample_model(
         # The last component spans the whole posterior.
         root = proposal.roots[-1]
         adapted = Adapted(proposal, proposal.means[-1], root @ root.T)
-    attempts = []
-    for child in children:
-        found = _attempt(model, modes, adapted, child, ess, evidence_draws)
-        attempts.append(found)
-        if _soundness(found) >= (True, True, FITTED):
-            break
-        theta = found.chain.theta.reshape(-1, model.dimension)
-        adapted = refine(adapted, modes, theta, found.chain.log_prob.ravel())
-    return max(attempts, key=_soundness)
+    first = _attempt(model, modes, adapted, for_first, ess, evidence_draws)
+    if _soundness(first) >= (True, True, FITTED):
+        return first
+    theta = first.chain.theta.reshape(-1, model.dimension)
+    refined = refine(adapted, modes, theta, first.chain.log_prob.ravel())
+    second = _attempt(model, modes, refined, for_second, ess, evidence_draws)
+    return max(first, second, key=_soundness)
 
 
 def _soundness(found: SampledPosterior) -> tuple[bool, bool, float]:

@@ -1,0 +1,56 @@
+"""Sections of docs/validation.md that a script measures: their options, and where they go."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+from bayescal.files import write_whole
+
+
+def options_of(
+    program: str, description: str | None, heading: str, sets: int, least: int
+) -> argparse.Namespace:
+    """Read how many data sets to make, with which seed, and where the section goes.
+
+    Parameters
+    ----------
+    program : str
+    description : str or None
+    heading : str
+        Of the section.
+    sets, least : int
+        Data sets of each kind by default, and at least.
+    """
+    parser = argparse.ArgumentParser(prog=program, description=description)
+    parser.add_argument(
+        "--sets", type=int, default=sets, help=f"data sets of each kind ({sets}; from {least})"
+    )
+    parser.add_argument("--seed", type=int, default=0, help="of all randomness (0)")
+    parser.add_argument(
+        "--out", metavar="FILE.md", help=f"put the section {heading!r} into this file (printed)"
+    )
+    options = parser.parse_args()
+    if options.sets < least or options.seed < 0:
+        parser.error(f"--sets must be at least {least}, --seed not negative")
+    return options
+
+
+def publish(section: str, heading: str, out: str | None) -> None:
+    """Print a section, or put it into a Markdown file in place of the one there."""
+    if out is None:
+        sys.stdout.write(section)
+        return
+    place = Path(out)
+    text = place.read_text(encoding="utf-8") if place.exists() else ""
+    write_whole(place, with_section(text, section, heading).encode(), force=True)
+
+
+def with_section(text: str, section: str, heading: str) -> str:
+    """Replace the section of a Markdown text, or add it at the end."""
+    pattern = re.compile(rf"^{re.escape(heading)}$.*?(?=^## |\Z)", re.MULTILINE | re.DOTALL)
+    if pattern.search(text):
+        return pattern.sub(lambda _: section + "\n", text).rstrip("\n") + "\n"
+    return f"{text.rstrip()}\n\n{section}".lstrip("\n")
