@@ -277,14 +277,17 @@ def main() -> None:
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("parts", nargs="*", choices=[*PARTS, []], default=list(PARTS))
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)} (all)")
     parser.add_argument("--sets", type=int, default=SETS, help=f"cameras of each order ({SETS})")
     parser.add_argument("--out", metavar="FILE.md", help="put the sections into this file")
     options = parser.parse_args()
     if options.sets < 5 * BINS:
         parser.error(f"--sets must be at least {5 * BINS}")
+    unknown = set(options.parts) - set(PARTS)
+    if unknown:
+        parser.error(f"no part {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
     with threadpool_limits(1):
-        for part in options.parts:
+        for part in options.parts or PARTS:
             heading, lines = PARTS[part]
             asked = f"`scripts/validate-families {part} --sets {options.sets}`."
             section = "\n".join([heading, "", asked, "", *lines(options.sets)]) + "\n"
