@@ -142,3 +142,4 @@ def test_a_bivariate_fit_prints_its_coefficients(capsys):
     coefficients = [f"{s}_{p}" for s in ("alpha", "beta") for p in ("00", "10", "01")]
     assert names == [*coefficients[:3], "sigma_r", *coefficients[3:], "sigma_c"]
     assert "first power: of x/z in r (alpha), of y/z in c (beta)" in out
+    assert " (closed form); elpd " in out  # its error is of rounding alone

@@ -65,7 +65,8 @@ def joint_fit_view(found: FamilyComparison) -> RenderableType:
     """Everything that ``fit --family`` prints: one model in full."""
     model = found.best
     parts: list[RenderableType] = [_header(found)]
-    evidence = f"{model.log_evidence:.3f} +- {significant(model.log_evidence_error, 1)}"
+    error = significant(model.log_evidence_error, 1)
+    evidence = f"{model.log_evidence:.3f} " + ("(closed form)" if model.exact else f"+- {error}")
     facts = [
         f"{model.name}: K = {model.n_parameters}, ln L maximised {model.log_likelihood:.3f}, "
         f"AIC {model.aic:.2f}, BIC {model.bic:.2f}",
