@@ -31,6 +31,7 @@ from bayescal.models import separable
 from bayescal.models.camera_prior import pinhole_prior, position_prior
 from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
+from bayescal.rounding import counted
 from bayescal.settings import Settings
 
 EQUAL = ("families are equally probable beforehand; within one its positions, then its orders",)
@@ -152,15 +153,18 @@ def _wanted(family: str, orders: Sequence[int], pairs: Sequence[tuple[int, int]]
 def _caveats(
     points: Correspondences, models: Sequence[JointModel], chances: Sequence[float]
 ) -> list[str]:
-    out = []
-    for model, chance in zip(models, chances, strict=True):
-        if chance < 0.01:
-            continue
+    out: list[str] = []
+    matter = [model for model, chance in zip(models, chances, strict=True) if chance >= 0.01]
+    for model in matter:
         out += [f"the evidence of {model.name}: {warning}" for warning in model.warnings]
         if model.posterior is not None and not model.posterior.converged:
             out.append(f"sampling of {model.name} did not reach the stopping rule")
-        if model.pareto_k is not None and model.pareto_k > 1:
-            out.append(f"leave-one-out of {model.name} rests on few draws (Pareto k > 1)")
+    heavy = [str(m.name) for m in matter if m.pareto_k is not None and m.pareto_k > 1]
+    if heavy:
+        rest = f"; and of {counted(len(heavy) - 3, 'other')}" if len(heavy) > 3 else ""
+        out.append(
+            f"leave-one-out rests on few draws (Pareto k > 1) for {'; '.join(heavy[:3])}{rest}"
+        )
     best = models[0]
     if best.posterior is not None and best.name.position == FREE:
         prior = position_prior(points)
