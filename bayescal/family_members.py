@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.special import softmax
@@ -12,7 +13,9 @@ from scipy.special import softmax
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.families import (
     FREE,
+    PINHOLE,
     STATED,
+    FamilyRequest,
     JointModel,
     ModelName,
 )
@@ -21,7 +24,6 @@ from bayescal.comparison.psis import good_k
 from bayescal.errors import InputError
 from bayescal.family_models import (
     FAMILIES,
-    PINHOLE,
     Axis,
     NoiseLevels,
     criteria_of,
@@ -34,11 +36,11 @@ from bayescal.inference.closed_form import ExactPosterior, exact_posterior
 from bayescal.inference.estimate import from_weights
 from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.position_search import position_mode
-from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
+from bayescal.inference.sampled_posterior import SampledPosterior, Sampler, sample_model
 from bayescal.inference.t_mixture import TMixture
-from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import Settings
 
@@ -103,6 +105,7 @@ def free_members(
     orders: Wanted,
     points: Correspondences,
     settings: Settings,
+    sampler: Sampler,
 ) -> list[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
     for i, axis in enumerate(axes):
@@ -123,8 +126,8 @@ def free_members(
         proposal, rng = mixture_about((mode,), np.zeros(1)), _rng(settings, name)
         if name == best:
             guess = proposal, (mode,)
-            posterior = sample_model(model, rng, settings.ess, guess, POSITION_DRAWS)
-            found = _from_posterior(posterior)
+            sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
+            found = _from_posterior(sampler(name.key, model, sample))
         else:
             found = _from_weights(model, proposal, rng)
         start = model.start
@@ -191,22 +194,19 @@ def _joint(
 
 def pinhole_members(
     points: Correspondences,
-    orders: Sequence[int],
+    request: FamilyRequest,
     position: str,
-    radial: Radial,
     levels: NoiseLevels,
     settings: Settings,
+    sampler: Sampler,
 ) -> list[JointModel]:
     """Sample the pinhole of each order at one kind of position."""
     out = []
-    for k in orders:
-        model = pinhole_model(points, k, position, radial, levels.data, settings)
+    for k in request.radial_orders:
+        model = pinhole_model(points, k, position, request.radial, levels.data, settings)
         name = ModelName(PINHOLE, (k,), position)
-        guess = None
-        if model.gaussian:
-            modes, log_mass = ladder(model)
-            guess = mixture_about(modes, log_mass), modes[:1]
-        posterior = sample_model(model, _rng(settings, name), settings.ess, guess)
+        sample = partial(_sample_pinhole, model, _rng(settings, name), settings.ess)
+        posterior = sampler(name.key, model, sample)
         count = model.geometry.dimension + sum(levels.data.inferred)
         count += 0 if model.gaussian else 2 * model.noise.dimension
         theta = model.geometry.full(model.fit.free[None])
@@ -215,6 +215,14 @@ def pinhole_members(
         found = _from_posterior(posterior)
         out.append(_joint(name, count, likelihood, len(points), found, position_found))
     return out
+
+
+def _sample_pinhole(model: PinholeModel, rng: np.random.Generator, ess: int) -> SampledPosterior:
+    guess = None
+    if model.gaussian:
+        modes, log_mass = ladder(model)
+        guess = mixture_about(modes, log_mass), modes[:1]
+    return sample_model(model, rng, ess, guess)
 
 
 def _rng(settings: Settings, name: ModelName) -> np.random.Generator:

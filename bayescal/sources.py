@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
 from bayescal.inference.model import LinearModel
-from bayescal.inference.posterior import Posterior, sample_posterior
+from bayescal.inference.posterior import Posterior
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
     from bayescal.comparison.noise_evidence import NoiseEvidence
@@ -19,13 +18,13 @@ class Source(Protocol):
     """Where what takes long comes from: computed now, or read from a run that kept it."""
 
     def posterior(
-        self, name: str, model: LinearModel, rng: np.random.Generator, ess: int
+        self, name: str, model: LinearModel, compute: Callable[[], Posterior]
     ) -> Posterior:
         """Posterior of a model; `name`, such as ``"r-order-4"``, is its own in the comparison."""
         ...
 
     def sampled(
-        self, name: str, model: SampledModel, rng: np.random.Generator, ess: int
+        self, name: str, model: SampledModel, compute: Callable[[], SampledPosterior]
     ) -> SampledPosterior:
         """Posterior of a model without a closed form."""
         ...
@@ -45,24 +44,20 @@ class Computed:
     def posterior(
         self,
         name: str,  # noqa: ARG002 - for those who keep draws by name
-        model: LinearModel,
-        rng: np.random.Generator,
-        ess: int,
+        model: LinearModel,  # noqa: ARG002
+        compute: Callable[[], Posterior],
     ) -> Posterior:
         """Sample a model."""
-        return sample_posterior(model, rng, ess)
+        return compute()
 
     def sampled(
         self,
         name: str,  # noqa: ARG002
-        model: SampledModel,
-        rng: np.random.Generator,
-        ess: int,
+        model: SampledModel,  # noqa: ARG002
+        compute: Callable[[], SampledPosterior],
     ) -> SampledPosterior:
         """Sample a model without a closed form."""
-        from bayescal.inference.sampled_posterior import sample_model
-
-        return sample_model(model, rng, ess)
+        return compute()
 
     def wins(self, axis: str, unit: str) -> None:  # noqa: ARG002
         """Know nothing yet."""

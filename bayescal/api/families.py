@@ -7,7 +7,7 @@ from typing import Unpack
 
 from bayescal.analysis import Progress
 from bayescal.api.options import Options, spelled_out
-from bayescal.comparison.families import FamilyComparison
+from bayescal.comparison.families import FamilyComparison, FamilyRequest
 from bayescal.family_analysis import compare_joint
 from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
@@ -57,9 +57,14 @@ def compare_families(
         Where the points can't determine a model, or a setting is not usable.
     """
     settings = Settings(**options, defend=False)
-    numbers = tuple(sorted(set(radial_orders)))
-    wanted = checked_orders(orders)
-    return compare_joint(points, families, wanted, position, radial, settings, numbers, progress)
+    request = FamilyRequest(
+        tuple(dict.fromkeys(families)),
+        checked_orders(orders),
+        None if position is None else tuple(position),
+        radial,
+        tuple(sorted(set(radial_orders))),
+    )
+    return compare_joint(points, request, settings, progress)
 
 
 @spelled_out(Options)
@@ -100,8 +105,7 @@ def fit_family(
     settings = Settings(**options, defend=False)
     radial_orders = checked_orders(orders, lowest=0) if family == "pinhole" else (0,)
     degrees = (1,) if family == "pinhole" else checked_orders(orders)
-    pair = [(orders[0], orders[-1])] if family == "separable" else None
+    pair = ((orders[0], orders[-1]),) if family == "separable" else None
     where = None if position is None else (position,)
-    return compare_joint(
-        points, (family,), degrees, where, radial, settings, radial_orders, None, pair
-    )
+    request = FamilyRequest((family,), degrees, where, radial, radial_orders, pair)
+    return compare_joint(points, request, settings)

@@ -160,7 +160,7 @@ def _header(found: FamilyComparison) -> RenderableType:
     ]
     lines += [f"prior, {line}" for line in found.priors]
     if any(m.name.family == "pinhole" for m in found.models):
-        lines.append(f"radial distortion in {found.radial} powers of the radius")
+        lines.append(f"radial distortion in {found.request.radial} powers of the radius")
     return Text("\n".join(lines) + "\n")
 
 
@@ -229,8 +229,8 @@ def _sampling(found: FamilyComparison) -> RenderableType:
     sampled = [m.posterior for m in found.models if m.posterior is not None]
     parameters = [p for s in sampled for p in s.parameters]
     text = (
-        f"emcee, {len(sampled)} model{'s' * (len(sampled) > 1)}, seed {found.seed}: acceptance at "
-        f"least {min(s.chain.acceptance for s in sampled):.2f}, ESS at least "
+        f"emcee, {len(sampled)} model{'s' * (len(sampled) > 1)}, seed {found.settings.seed}: "
+        f"acceptance at least {min(s.chain.acceptance for s in sampled):.2f}, ESS at least "
         f"{min(min(p.ess_bulk, p.ess_tail) for p in parameters):.0f}, R-hat at most "
         f"{max(p.rhat for p in parameters):.3f}."
     )

@@ -35,13 +35,13 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
             "python": platform.python_version(),
             **{name: version(name) for name in PACKAGES},
             "command": command,
-            "seed": found.seed,
-            "ess": found.ess,
+            "seed": found.settings.seed,
+            "ess": found.settings.ess,
             "created": datetime.now(UTC).isoformat(timespec="seconds"),
         },
         "data": points_facts(found.points),
         "families": {
-            "radial": found.radial,
+            "radial": found.request.radial,
             "noise": dict(zip(("r", "c"), found.noise, strict=True)),
             "priors": list(found.priors),
             "models": [

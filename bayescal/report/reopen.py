@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
 
 import bayescal
 from bayescal.analysis import analyse_points
@@ -109,8 +108,7 @@ class _Run(RunFiles):
         self,
         name: str,
         model: LinearModel,
-        rng: np.random.Generator,  # noqa: ARG002 - nothing is sampled
-        ess: int,  # noqa: ARG002
+        compute: Callable[[], Posterior],  # noqa: ARG002 - nothing is sampled
     ) -> Posterior:
         """Read a model's draws (as a `bayescal.analysis.Source`)."""
         place = f"{DRAWS}/{name}.nc"

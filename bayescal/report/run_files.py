@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self
-
-import numpy as np
 
 import bayescal
 from bayescal.errors import InputError
@@ -144,8 +142,7 @@ class RunFiles:
         self,
         name: str,
         model: SampledModel,
-        rng: np.random.Generator,  # noqa: ARG002 - nothing is sampled
-        ess: int,  # noqa: ARG002
+        compute: Callable[[], SampledPosterior],  # noqa: ARG002 - nothing is sampled
     ) -> SampledPosterior:
         """Read the draws and the evidence of a model without a closed form."""
         place = f"{DRAWS}/{name}.nc"
