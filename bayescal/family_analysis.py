@@ -116,6 +116,8 @@ def check_request(request: FamilyRequest, settings: Settings) -> None:
     for position in request.positions or ():
         if position not in (STATED, FREE):
             raise InputError(f"position must be stated or free, not {position!r}")
+    if request.radial not in ("even", "all"):
+        raise InputError(f"radial must be even or all, not {request.radial!r}")
     if settings.prior == "flat":
         raise InputError("a flat prior has no evidence, which families are compared by; drop it")
     linear = [f for f in request.families if f in LINEAR]

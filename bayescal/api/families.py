@@ -22,7 +22,7 @@ def compare_families(
     *,
     position: Sequence[str] | None = None,
     radial: Radial = "even",
-    radial_orders: Sequence[int] = (0, 1, 2, 3),
+    radial_orders: Iterable[int] = (0, 1, 2, 3),
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> FamilyComparison:
@@ -39,7 +39,7 @@ def compare_families(
         ``"stated"``, ``"free"`` or both; by default stated, and free for a pinhole.
     radial : str, optional
         ``"even"`` or ``"all"`` powers of the radius in the pinhole's distortion.
-    radial_orders : sequence of int, optional
+    radial_orders : iterable of int, optional
         Numbers of radial coefficients.
     progress : callable, optional
         Called with the family and its position before its models are fitted.
@@ -62,7 +62,7 @@ def compare_families(
         checked_orders(orders),
         None if position is None else tuple(position),
         radial,
-        tuple(sorted(set(radial_orders))),
+        checked_orders(radial_orders, lowest=0),
     )
     return compare_joint(points, request, settings, progress)
 

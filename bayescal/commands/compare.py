@@ -64,13 +64,13 @@ def run(options: argparse.Namespace) -> int:
 def _across_families(options: argparse.Namespace) -> int:
     """Compare families of models of r and c together."""
     from bayescal.api.families import compare_families
-    from bayescal.commands.families import check_families, deliver_families
+    from bayescal.commands.families import deliver_families
     from bayescal.report.families import families_view
 
     if options.axis in ("r", "c") or options.defend:
         option = "--defend" if options.defend else f"--axis {options.axis}"
         raise InputError(f"compare: families are models of r and c together; drop {option}")
-    check_families(options)
+    check_output(options)
     points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     with shared.Progress(options, 2 * len(options.family or ["separable"])) as progress:

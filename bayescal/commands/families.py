@@ -7,20 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bayescal.commands.output import check_json, check_nested, code_of, publish
+from bayescal.commands.output import code_of, publish
 
 if TYPE_CHECKING:
     from bayescal.comparison.families import FamilyComparison
-
-
-def check_families(options: argparse.Namespace) -> None:
-    """Refuse output that can't be written before anything is computed."""
-    check_json(options)
-    check_nested(options)
-    if options.out is not None:
-        from bayescal.report.families_document import check_families_folder
-
-        check_families_folder(Path(options.out), force=options.force)
 
 
 def deliver_families(
@@ -37,7 +27,7 @@ def deliver_families(
         return dumps(families_document(result, options.command_line))
 
     def write(folder: Path, text: str) -> None:
-        from bayescal.report.families_document import write_families
+        from bayescal.report.families_run import write_families
 
         write_families(folder, result, text, force=options.force)
 

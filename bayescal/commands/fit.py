@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
 def _joint(options: argparse.Namespace) -> int:
     """Fit one model of r and c together."""
     from bayescal.api.families import fit_family
-    from bayescal.commands.families import check_families, deliver_families
+    from bayescal.commands.families import deliver_families
     from bayescal.report.families import joint_fit_view
 
     family = options.family or "separable"
@@ -64,7 +64,7 @@ def _joint(options: argparse.Namespace) -> int:
             raise InputError(f"fit: give --order of the {family} family")
     if options.position is not None and len(options.position) != 1:
         raise InputError("fit: give one --position, stated or free")
-    check_families(options)
+    check_output(options)
     result = fit_family(
         shared.points(options),
         family,

@@ -121,6 +121,6 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
 
 
 def _reopened(kind: FigureKind, options: argparse.Namespace) -> Comparison:
-    from bayescal.report.reopen import open_run
+    from bayescal.report.comparison_run import open_comparison
 
-    return open_run(options.points, defend=kind.needs_defence)
+    return open_comparison(options.points, defend=kind.needs_defence)

@@ -146,6 +146,6 @@ def _compared(options: argparse.Namespace) -> Comparison:
 
 
 def _reopened(options: argparse.Namespace) -> Comparison:
-    from bayescal.report.reopen import open_run
+    from bayescal.report.comparison_run import open_comparison
 
-    return open_run(options.points, defend=True)
+    return open_comparison(options.points, defend=True)
