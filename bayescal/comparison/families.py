@@ -79,7 +79,7 @@ class FamilyRequest:
     orders: tuple[int, ...]
     positions: tuple[str, ...] | None = None
     radial: Radial = "even"
-    radial_orders: tuple[int, ...] = (0, 1, 2, 3)
+    radial_orders: tuple[int, ...] = (0,)
     pairs: tuple[tuple[int, int], ...] | None = None
 
     def positions_of(self, family: str) -> tuple[str, ...]:

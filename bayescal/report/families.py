@@ -36,7 +36,7 @@ def families_view(found: FamilyComparison) -> RenderableType:
         "elpd: leave-one-out, r and c of a point together; +- its standard error; d elpd against "
         "the best, with the paired one.",
     ]
-    parts += [*indented([*notes, *models_notes(found, rows)]), _verdict(found)]
+    parts += [*indented([*notes, *models_notes(found, rows, "--json has them")]), _verdict(found)]
     sampled = next((m for m in found.models if m.posterior is not None), None)
     if sampled is not None:
         parts += [Text(""), laid_out(parameters_table(sampled)), _sampling(found)]

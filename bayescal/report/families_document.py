@@ -64,7 +64,8 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
 def settings_facts(request: FamilyRequest, settings: Settings) -> dict[str, Any]:
     """Collect what was asked for: which models, and how they are to be judged."""
     asked = {k: v for k, v in asdict(settings).items() if k != "defend"}  # families have none
-    return {**asdict(request), **asked}
+    wanted = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(request).items()}
+    return {**wanted, **asked}
 
 
 def families_schema() -> dict[str, Any]:

@@ -83,7 +83,9 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
         Column("+-", "its Monte Carlo error, nat; exact where it has a closed form", "± ln Z"),
         Column("elpd", "leave-one-out, r and c of a point together; ?: not to be trusted"),
         Column("+-", "its standard error", "± elpd"),
-        Column("d elpd", "against the most probable model, with the paired standard error"),
+        Column(
+            "d elpd", "against the most probable model, with the paired standard error", "Δ elpd"
+        ),
         Column("prob.", "posterior probability of the model", "probability"),
     )
     cells = []
@@ -236,12 +238,12 @@ def weak_lines(posterior: SampledPosterior) -> list[str]:
     return out
 
 
-def models_notes(found: FamilyComparison, rows: Iterable[int]) -> list[str]:
-    """Say what the table of models does not."""
+def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> list[str]:
+    """Say what the table of models does not, and where the `rest` of the models is."""
     shown = [found.models[i] for i in rows]
     notes = []
     if not all(m.sound for m in shown):
-        notes.append("! marks an evidence that should not be trusted; --json says why.")
+        notes.append("! marks an evidence that should not be trusted; the caveats say why.")
     if not all(m.elpd_reliable for m in shown):
         notes.append(
             "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
@@ -249,7 +251,7 @@ def models_notes(found: FamilyComparison, rows: Iterable[int]) -> list[str]:
         )
     left = len(found.models) - len(shown)
     if left:
-        notes.append(f"{left} less probable models are not shown (--json has them).")
+        notes.append(f"{left} less probable models are not shown ({rest}).")
     return [*notes, *found.notes]
 
 
