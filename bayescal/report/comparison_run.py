@@ -15,7 +15,7 @@ from bayescal.analysis import analyse_points, model_name
 from bayescal.comparison.noise_evidence import NoiseEvidence
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.errors import InputError
-from bayescal.inference.arviz_bridge import Draws, parse_netcdf
+from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, posterior_of
@@ -24,7 +24,7 @@ from bayescal.models import separable
 from bayescal.report.agreement import disagreement
 from bayescal.report.document import SCHEMA, document
 from bayescal.report.other_noises import noises_from
-from bayescal.report.run import DRAWS, described, fill_run
+from bayescal.report.run import described, fill_run
 from bayescal.report.run_files import RunFiles
 from bayescal.report.shape import AXIS, DOCUMENT
 
@@ -147,12 +147,7 @@ class _Run(RunFiles):
         compute: Callable[[], Posterior],  # noqa: ARG002 - nothing is sampled
     ) -> Posterior:
         """Read a model's draws (as a `bayescal.analysis.Source`)."""
-        place = f"{DRAWS}/{name}.nc"
-        raw = self.content(place)
-        try:
-            chain = unpack(parse_netcdf(raw), model.names)
-        except ValueError as error:
-            raise InputError(f"{self.folder / place}: {error}; {self.again}") from None
+        chain = self.read_draws(name, lambda draws: unpack(draws, model.names))
         return posterior_of(exact_posterior(model), chain)
 
     def noises(self, axis: str) -> tuple[NoiseEvidence, ...] | None:

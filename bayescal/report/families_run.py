@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,8 +13,9 @@ from bayescal.comparison.families import FamilyComparison, FamilyRequest, JointM
 from bayescal.errors import InputError
 from bayescal.family_analysis import compare_joint
 from bayescal.inference.arviz_bridge import Draws
-from bayescal.inference.stored import pack_sampled
-from bayescal.points.correspondences import Correspondences
+from bayescal.inference.sampled_model import SampledModel
+from bayescal.inference.stored import pack_sampled, pack_weighted, unpack_weighted
+from bayescal.inference.weighting import WeightedDraws
 from bayescal.points.setup import AXES
 from bayescal.report.agreement import NATS, alike
 from bayescal.report.families_document import SCHEMA, families_document
@@ -53,9 +55,6 @@ DOCUMENT = {
     "verdict": {"best": str, "plausible": [str], "decided": bool},
 }
 ASKED = frozenset(field.name for field in dataclasses.fields(FamilyRequest))
-# An evidence by weights from a proposal that a search found: rounding elsewhere moves the draws
-# by as little as it moves the search's end, and the evidence by this share of its own error.
-OF_ERROR = 0.01
 
 
 def write_families(folder: Path, found: FamilyComparison, result_json: str, *, force: bool) -> None:
@@ -75,26 +74,25 @@ def write_families(folder: Path, found: FamilyComparison, result_json: str, *, f
     OutputError
         Where it can't be written; nothing is left behind.
     """
-    draws = {
-        model.name.key: _draws(found.points, model)
-        for model in found.models
-        if model.posterior is not None
-    }
+    draws = {}
+    for model in found.models:
+        if model.posterior is not None:
+            draws[model.name.key] = _described(pack_sampled(model.posterior), found, model)
+        elif model.weighted is not None:
+            draws[model.name.key] = _described(pack_weighted(model.weighted), found, model)
     fill_run(folder, found.points, result_json, draws, force=force)
 
 
-def _draws(points: Correspondences, model: JointModel) -> Draws:
-    """Arrange a model's draws with what a reader who knows nothing of bayescal needs."""
-    assert model.posterior is not None, "it was sampled"
-    draws = pack_sampled(model.posterior)
-    observed: dict[str, Array] = {axis: points.pixel(axis) for axis in AXES}
+def _described(draws: Draws, found: FamilyComparison, model: JointModel) -> Draws:
+    """Add to draws what a reader who knows nothing of bayescal needs."""
+    observed: dict[str, Array] = {axis: found.points.pixel(axis) for axis in AXES}
     draws.groups["observed_data"] = observed
     draws.described.update(
         {
             "model": str(model.name),
             "units": "focal, centre, sigma, coefficients px; rotation degrees; position world "
             "units; tau a fraction of the image; scale a factor",
-            "inference_library": "emcee",
+            "inference_library": "emcee" if model.posterior is not None else "bayescal",
         }
     )
     return draws
@@ -103,8 +101,8 @@ def _draws(points: Correspondences, model: JointModel) -> Draws:
 def open_families(folder: str | Path) -> FamilyComparison:
     """Read a comparison across families back from the folder that `write_families` wrote.
 
-    Nothing is sampled: the draws are read. The rest is computed again, the weighted evidences
-    from the same random numbers, and compared with what the run says.
+    Nothing is drawn: draws and weights are read. The rest is computed again, from them, the
+    points or the closed form, and compared with what the run says.
 
     Parameters
     ----------
@@ -122,7 +120,7 @@ def open_families(folder: str | Path) -> FamilyComparison:
     run = _Run.at(Path(folder))
     settings, points = run.settings(ASKED), run.points()
     try:
-        found = compare_joint(points, run.request, settings, None, run.sampled)
+        found = compare_joint(points, run.request, settings, None, run)
     except InputError as error:
         raise error if str(error).startswith(str(run.folder)) else run.unusable(error) from None
     wrong = _disagreement(run.document, families_document(found, ""))
@@ -152,6 +150,15 @@ class _Run(RunFiles):
         except (TypeError, ValueError) as error:
             raise self.unusable(error) from None
 
+    def weighted(
+        self,
+        name: str,
+        model: SampledModel,
+        compute: Callable[[], WeightedDraws],  # noqa: ARG002 - nothing is drawn
+    ) -> WeightedDraws:
+        """Read the weighted draws of a model that was not sampled."""
+        return self.read_draws(name, lambda draws: unpack_weighted(draws, model))
+
 
 def _frozen(value: Any) -> Any:
     """Make tuples of lists, inside too."""
@@ -178,8 +185,6 @@ def _disagreement(kept: dict[str, Any], made: dict[str, Any]) -> str | None:
 
 def _other_numbers(old: dict[str, Any], new: dict[str, Any]) -> str | None:
     """Name the first number of a model that differs."""
-    weighted = new["sampling"] is None and new["closed_form"] is None
-    slack = OF_ERROR * new["log_evidence_error"] if weighted else 0.0
     for key, words in (
         ("log_evidence", "log evidence"),
         ("log_likelihood_max", "maximum of the log likelihood"),
@@ -187,8 +192,7 @@ def _other_numbers(old: dict[str, Any], new: dict[str, Any]) -> str | None:
         ("elpd_loo", "leave-one-out elpd"),
     ):
         was, now = old[key], new[key]
-        near = None not in (was, now) and abs(was - now) <= slack + NATS
-        if not (near or alike(was, now)):
+        if not alike(was, now):
             return f"the {words} of {old['name']} is {was} in the run but {now} now"
     if old["sampling"] is None or new["sampling"] is None:
         return None if old["sampling"] is new["sampling"] else f"{old['name']} was not sampled"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from threadpoolctl import threadpool_limits
 
@@ -11,6 +12,7 @@ from bayescal.arrays import Array
 from bayescal.comparison.families import PINHOLE, FamilyComparison, JointModel
 from bayescal.comparison.verdict import percent
 from bayescal.comparison.weak import correlation, weak_combinations
+from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.models import bivariate
@@ -83,9 +85,7 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
         Column("+-", "its Monte Carlo error, nat; exact where it has a closed form", "± ln Z"),
         Column("elpd", "leave-one-out, r and c of a point together; ?: not to be trusted"),
         Column("+-", "its standard error", "± elpd"),
-        Column(
-            "d elpd", "against the most probable model, with the paired standard error", "Δ elpd"
-        ),
+        Column("d elpd", "less the most probable model's, with the paired error", "Δ elpd"),
         Column("prob.", "posterior probability of the model", "probability"),
     )
     cells = []
@@ -149,15 +149,19 @@ class ExactParameter:
 
 def exact_parameters(model: JointModel) -> list[ExactParameter]:
     """Coefficients and noise of both axes; nothing where there is no closed form."""
+    pairs = zip(AXES, model.exact, strict=False)
+    return [p for axis, posterior in pairs for p in _of_axis(axis, posterior)]
+
+
+@lru_cache(maxsize=64)  # pairs of orders share their axes, and intervals take a while
+def _of_axis(axis: str, posterior: ExactPosterior) -> tuple[ExactParameter, ...]:
     out = []
-    for axis, posterior in zip(AXES, model.exact, strict=False):
-        numbers = zip(*posterior.summary, posterior.intervals(INTERVAL_PROBABILITY), strict=True)
-        for name, (mean, sd, (low, high)) in zip(posterior.model.names, numbers, strict=True):
-            own = name.split("_")[0] == posterior.model.symbol
-            named = name if own else f"{name}_{axis}"
-            interval = float(low), float(high)
-            out.append(ExactParameter(axis, named, float(mean), float(sd), interval))
-    return out
+    numbers = zip(*posterior.summary, posterior.intervals(INTERVAL_PROBABILITY), strict=True)
+    for name, (mean, sd, (low, high)) in zip(posterior.model.names, numbers, strict=True):
+        own = name.split("_")[0] == posterior.model.symbol
+        named, interval = name if own else f"{name}_{axis}", (float(low), float(high))
+        out.append(ExactParameter(axis, named, float(mean), float(sd), interval))
+    return tuple(out)
 
 
 def parameters_table(model: JointModel) -> Table:

@@ -7,12 +7,12 @@ import json
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeVar
 
 import bayescal
 from bayescal.errors import InputError
 from bayescal.files import RESULT
-from bayescal.inference.arviz_bridge import parse_netcdf
+from bayescal.inference.arviz_bridge import Draws, parse_netcdf
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.stored import unpack_sampled
@@ -23,6 +23,8 @@ from bayescal.report.document import versions
 from bayescal.report.run import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
 from bayescal.report.shape import misshapen
 from bayescal.settings import Settings
+
+Kept = TypeVar("Kept")
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,10 +168,14 @@ class RunFiles:
         compute: Callable[[], SampledPosterior],  # noqa: ARG002 - nothing is sampled
     ) -> SampledPosterior:
         """Read the draws and the evidence of a model without a closed form."""
+        return self.read_draws(name, lambda draws: unpack_sampled(draws, model))
+
+    def read_draws(self, name: str, unpack: Callable[[Draws], Kept]) -> Kept:
+        """Read the draws of a name, and make of them what they were."""
         place = f"{DRAWS}/{name}.nc"
         raw = self.content(place)
         try:
-            return unpack_sampled(parse_netcdf(raw), model)
+            return unpack(parse_netcdf(raw))
         except ValueError as error:
             raise InputError(f"{self.folder / place}: {error}; {self.again}") from None
 

@@ -106,7 +106,8 @@ def _order_words(model: JointModel) -> str:
 
 
 def _number(value: float) -> str:
-    text = "0" if value == 0 else f"{value:.1f}" if value > -99.95 else f"{value:.0f}"
+    digits = 2 if value > -0.095 else 1 if value > -99.95 else 0
+    text = f"{value:.{digits}f}" if value else "0"
     return text.replace("-", "\N{MINUS SIGN}")
 
 
