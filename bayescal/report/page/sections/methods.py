@@ -123,12 +123,14 @@ def _families(subject: PageSubject) -> Iterable[str]:
         return
     names = list(dict.fromkeys(m.name.family for m in found.models))
     places = sorted({m.name.position for m in found.models}, reverse=True)
+    one, together = len(found.models) == 1, "of r and c together"
     yield (
-        f"Beside them, {len(found.models)} models of r and c together were compared on the same "
-        f"pixels (families: {', '.join(names)}; camera position {' or '.join(places)}), families "
-        "equally probable beforehand. Evidences without a closed form were had by importance "
-        "sampling."
+        f"Beside them, {'one model' if one else f'{len(found.models)} models'} {together} "
+        f"{'was' if one else 'were'} compared on the same pixels (families: {', '.join(names)}; "
+        f"camera position {' or '.join(places)}), families equally probable beforehand."
     )
+    if not all(m.exact for m in found.models):
+        yield "Evidences without a closed form were had by importance sampling."
 
 
 def _checks(subject: PageSubject, cite: Cite) -> Iterable[str]:
