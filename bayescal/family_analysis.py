@@ -28,12 +28,12 @@ from bayescal.family_models import (
     linear_axes,
     noise_levels,
 )
-from bayescal.inference.sampled_posterior import Sampler, sampled_now
 from bayescal.models import separable
 from bayescal.models.camera_prior import pinhole_prior, position_prior
 from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import counted
 from bayescal.settings import Settings
+from bayescal.sources import Computed, DrawsSource
 
 EQUAL = ("families are equally probable beforehand; within one its positions, then its orders",)
 
@@ -43,7 +43,7 @@ def compare_joint(
     request: FamilyRequest,
     settings: Settings,
     progress: Progress | None = None,
-    sampler: Sampler = sampled_now,
+    source: DrawsSource | None = None,
 ) -> FamilyComparison:
     """Compare families of models of both axes.
 
@@ -54,8 +54,8 @@ def compare_joint(
     settings : Settings
     progress : callable, optional
         Called with the family and its position before its models are fitted.
-    sampler : callable, optional
-        Gives the posteriors of the sampled models; by default they are sampled now.
+    source : DrawsSource, optional
+        Gives the draws; by default they are drawn now.
 
     Returns
     -------
@@ -67,6 +67,7 @@ def compare_joint(
         Where the points can't determine a model, or a family has no such noise.
     """
     check_request(request, settings)
+    source = source or Computed()
     families, orders = request.families, request.orders
     with threadpool_limits(1):
         axes = {f: linear_axes(points, f, settings, orders[-1]) for f in families if f in LINEAR}
@@ -77,13 +78,13 @@ def compare_joint(
                 if progress is not None:
                     progress(f"{family}, position {position}", 0)
                 if family == PINHOLE:
-                    found += pinhole_members(points, request, position, levels, settings, sampler)
+                    found += pinhole_members(points, request, position, levels, settings, source)
                     continue
                 wanted = _wanted(family, request)
                 if position == STATED:
                     found += stated_members(family, axes[family], wanted, points)
                 else:
-                    found += free_members(family, axes[family], wanted, points, settings, sampler)
+                    found += free_members(family, axes[family], wanted, points, settings, source)
     chances = model_probabilities(found)
     order = sorted(range(len(found)), key=lambda i: -chances[i])
     models = tuple(found[i] for i in order)
@@ -116,6 +117,8 @@ def check_request(request: FamilyRequest, settings: Settings) -> None:
     for position in request.positions or ():
         if position not in (STATED, FREE):
             raise InputError(f"position must be stated or free, not {position!r}")
+    if request.radial not in ("even", "all"):
+        raise InputError(f"radial must be even or all, not {request.radial!r}")
     if settings.prior == "flat":
         raise InputError("a flat prior has no evidence, which families are compared by; drop it")
     linear = [f for f in request.families if f in LINEAR]

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.special import softmax
 
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.families import (
@@ -39,10 +38,11 @@ from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.position_search import position_mode
-from bayescal.inference.sampled_posterior import SampledPosterior, Sampler, sample_model
-from bayescal.inference.t_mixture import TMixture
+from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
+from bayescal.inference.weighting import WeightedDraws, weigh
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import Settings
+from bayescal.sources import DrawsSource
 
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
@@ -105,7 +105,7 @@ def free_members(
     orders: Wanted,
     points: Correspondences,
     settings: Settings,
-    sampler: Sampler,
+    source: DrawsSource,
 ) -> list[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
     for i, axis in enumerate(axes):
@@ -127,9 +127,10 @@ def free_members(
         if name == best:
             guess = proposal, (mode,)
             sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
-            found = _from_posterior(sampler(name.key, model, sample))
+            found = _from_posterior(source.sampled(name.key, model, sample))
         else:
-            found = _from_weights(model, proposal, rng)
+            draw = partial(weigh, model, proposal, rng, WEIGHTED_DRAWS)
+            found = _from_weights(model, source.weighted(name.key, model, draw))
         start = model.start
         out.append(_joint(name, count, likelihood, len(points), found, start))
     return out
@@ -146,6 +147,7 @@ class _Found:
     k_limit: float
     posterior: SampledPosterior | None
     doubts: tuple[str, ...] = ()
+    weighted: WeightedDraws | None = None
 
 
 def _from_posterior(posterior: SampledPosterior) -> _Found:
@@ -158,17 +160,13 @@ def _from_posterior(posterior: SampledPosterior) -> _Found:
     return _Found(value, error, pointwise, float(shape.max()), limit, posterior)
 
 
-def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.Generator) -> _Found:
+def _from_weights(model: FreePositionModel, draws: WeightedDraws) -> _Found:
     """Find the same by importance sampling: in three dimensions nearly every draw is effective."""
-    theta = proposal.draw(rng, WEIGHTED_DRAWS)
-    log_w = model.log_prob(theta) - proposal.log_density(theta)
-    estimate = from_weights(log_w)
-    again = theta[rng.choice(len(log_w), len(log_w), p=softmax(log_w))]
-    likelihood = model.log_likelihood(model.complete(again, rng))
-    pointwise, _, shape = psis_loo(likelihood.T)
+    estimate = from_weights(draws.log_weights)
+    pointwise, _, shape = psis_loo(model.log_likelihood(draws.full).T)
     value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
-    limit = good_k(WEIGHTED_DRAWS)
-    return _Found(value, error, pointwise, float(shape.max()), limit, None, doubts)
+    limit, largest = good_k(len(draws.full)), float(shape.max())
+    return _Found(value, error, pointwise, largest, limit, None, doubts, draws)
 
 
 def _joint(
@@ -189,6 +187,7 @@ def _joint(
         found.posterior,
         found.doubts,
         found.k_limit,
+        weighted=found.weighted,
     )
 
 
@@ -198,7 +197,7 @@ def pinhole_members(
     position: str,
     levels: NoiseLevels,
     settings: Settings,
-    sampler: Sampler,
+    source: DrawsSource,
 ) -> list[JointModel]:
     """Sample the pinhole of each order at one kind of position."""
     out = []
@@ -206,7 +205,7 @@ def pinhole_members(
         model = pinhole_model(points, k, position, request.radial, levels.data, settings)
         name = ModelName(PINHOLE, (k,), position)
         sample = partial(_sample_pinhole, model, _rng(settings, name), settings.ess)
-        posterior = sampler(name.key, model, sample)
+        posterior = source.sampled(name.key, model, sample)
         count = model.geometry.dimension + sum(levels.data.inferred)
         count += 0 if model.gaussian else 2 * model.noise.dimension
         theta = model.geometry.full(model.fit.free[None])

@@ -12,6 +12,7 @@ if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
     from bayescal.comparison.noise_evidence import NoiseEvidence
     from bayescal.inference.sampled_model import SampledModel
     from bayescal.inference.sampled_posterior import SampledPosterior
+    from bayescal.inference.weighting import WeightedDraws
 
 
 class Source(Protocol):
@@ -38,6 +39,22 @@ class Source(Protocol):
         ...
 
 
+class DrawsSource(Protocol):
+    """The same for models of r and c together."""
+
+    def sampled(
+        self, name: str, model: SampledModel, compute: Callable[[], SampledPosterior]
+    ) -> SampledPosterior:
+        """Posterior of a model that is sampled; `name` is its own in the comparison."""
+        ...
+
+    def weighted(
+        self, name: str, model: SampledModel, compute: Callable[[], WeightedDraws]
+    ) -> WeightedDraws:
+        """Weighted draws of a model that is not."""
+        ...
+
+
 class Computed:
     """Everything computed now; models are sampled with emcee."""
 
@@ -57,6 +74,15 @@ class Computed:
         compute: Callable[[], SampledPosterior],
     ) -> SampledPosterior:
         """Sample a model without a closed form."""
+        return compute()
+
+    def weighted(
+        self,
+        name: str,  # noqa: ARG002
+        model: SampledModel,  # noqa: ARG002
+        compute: Callable[[], WeightedDraws],
+    ) -> WeightedDraws:
+        """Draw and weigh."""
         return compute()
 
     def wins(self, axis: str, unit: str) -> None:  # noqa: ARG002

@@ -13,6 +13,8 @@ from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
 
+RADIAL_ORDERS = (0, 1, 2, 3)
+
 
 @spelled_out(Options)
 def compare_families(
@@ -22,7 +24,7 @@ def compare_families(
     *,
     position: Sequence[str] | None = None,
     radial: Radial = "even",
-    radial_orders: Sequence[int] = (0, 1, 2, 3),
+    radial_orders: Iterable[int] = RADIAL_ORDERS,
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> FamilyComparison:
@@ -39,7 +41,7 @@ def compare_families(
         ``"stated"``, ``"free"`` or both; by default stated, and free for a pinhole.
     radial : str, optional
         ``"even"`` or ``"all"`` powers of the radius in the pinhole's distortion.
-    radial_orders : sequence of int, optional
+    radial_orders : iterable of int, optional
         Numbers of radial coefficients.
     progress : callable, optional
         Called with the family and its position before its models are fitted.
@@ -57,14 +59,25 @@ def compare_families(
         Where the points can't determine a model, or a setting is not usable.
     """
     settings = Settings(**options, defend=False)
-    request = FamilyRequest(
+    request = family_request(families, orders, position, radial, radial_orders)
+    return compare_joint(points, request, settings, progress)
+
+
+def family_request(
+    families: Sequence[str],
+    orders: Iterable[int],
+    position: Sequence[str] | None = None,
+    radial: Radial = "even",
+    radial_orders: Iterable[int] = RADIAL_ORDERS,
+) -> FamilyRequest:
+    """Say which models are wanted; parameters and errors as of `compare_families`."""
+    return FamilyRequest(
         tuple(dict.fromkeys(families)),
         checked_orders(orders),
         None if position is None else tuple(position),
         radial,
-        tuple(sorted(set(radial_orders))),
+        checked_orders(radial_orders, lowest=0),
     )
-    return compare_joint(points, request, settings, progress)
 
 
 @spelled_out(Options)

@@ -15,6 +15,7 @@ from bayescal.points.correspondences import Correspondences
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
     from bayescal.inference.closed_form import ExactPosterior
     from bayescal.inference.sampled_posterior import SampledPosterior
+    from bayescal.inference.weighting import WeightedDraws
     from bayescal.models.pinhole import Radial
     from bayescal.settings import Settings
 
@@ -79,7 +80,7 @@ class FamilyRequest:
     orders: tuple[int, ...]
     positions: tuple[str, ...] | None = None
     radial: Radial = "even"
-    radial_orders: tuple[int, ...] = (0, 1, 2, 3)
+    radial_orders: tuple[int, ...] = (0,)
     pairs: tuple[tuple[int, int], ...] | None = None
 
     def positions_of(self, family: str) -> tuple[str, ...]:
@@ -121,6 +122,8 @@ class JointModel:
         Below it `pareto_k` is good; fewer draws can judge thinner tails only.
     exact : tuple of ExactPosterior
         Of r and of c, at the stated position of a linear family; empty elsewhere.
+    weighted : WeightedDraws or None
+        Of a model that has no closed form and was not sampled.
     """
 
     name: ModelName
@@ -139,6 +142,7 @@ class JointModel:
     doubts: tuple[str, ...] = ()
     k_limit: float | None = None
     exact: tuple[ExactPosterior, ...] = ()
+    weighted: WeightedDraws | None = None
 
     @property
     def sound(self) -> bool:
