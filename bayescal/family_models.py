@@ -10,12 +10,13 @@ import numpy as np
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.families import PINHOLE, STATED
 from bayescal.errors import InputError
-from bayescal.inference.free_position import FreePositionModel, MovingAxis
+from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.least_squares import factorise
 from bayescal.inference.model import LinearModel
+from bayescal.inference.moving_axis import MovingAxis
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_fit import JointData, PinholeFit, fit_pinhole
-from bayescal.inference.position_search import best_position
+from bayescal.inference.position_search import best_position, linearised
 from bayescal.models import bivariate, separable
 from bayescal.models.camera_prior import PinholePrior, pinhole_prior, position_prior
 from bayescal.models.linear import AxisData
@@ -132,7 +133,9 @@ def free_model(
         MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
         for i, (a, k) in enumerate(zip(axes, orders, strict=True))
     ]
-    start, likelihood = best_position(moving, prior, joint_data(axes).log_likelihood)
+    start = best_position(moving, prior)
+    rss = [e @ e for e, _ in (linearised(axis, start) for axis in moving)]
+    likelihood = joint_data(axes).log_likelihood(np.array(rss))
     return FreePositionModel((moving[0], moving[1]), prior, frozen(start)), likelihood
 
 

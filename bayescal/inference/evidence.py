@@ -51,7 +51,7 @@ class Reduced:
     n: Array
     log_sd: Array
 
-    def __getitem__(self, part: slice) -> Reduced:
+    def __getitem__(self, part: slice | Array) -> Reduced:
         return Reduced(self.r[part], self.qt[part], self.rss[part], self.n[part], self.log_sd[part])
 
 
