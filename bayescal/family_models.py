@@ -21,7 +21,7 @@ from bayescal.models import bivariate, separable
 from bayescal.models.camera_prior import PinholePrior, pinhole_prior, position_prior
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.choice import NoiseChoice
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.models.pinhole import PinholeGeometry, Radial
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
@@ -98,6 +98,8 @@ def noise_levels(points: Correspondences, settings: Settings, highest: int) -> N
             level, text = _plain_level(settings, sd)
             if settings.choice.robust:
                 level = level.on_readings(pixels[i], sd)
+        if level.mass < 1:
+            text += f", above the rounding of whole readings ({WHOLE_PIXEL:.2g} px)"
         sds.append(sd)
         levels.append(level)
         words.append(text)
@@ -124,19 +126,26 @@ def criteria_of(log_likelihood: float, k: int, n: int) -> tuple[float, float]:
     return -2 * log_likelihood + 2 * k, -2 * log_likelihood + k * math.log(n)
 
 
+def moving_axes(
+    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int]
+) -> tuple[MovingAxis, MovingAxis]:
+    """Both axes of a linear family as functions of the camera position."""
+    r, c = (
+        MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
+        for i, (a, k) in enumerate(zip(axes, orders, strict=True))
+    )
+    return r, c
+
+
 def free_model(
     points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int]
 ) -> tuple[FreePositionModel, float]:
     """Build a linear family's model at a free position, and its maximised log likelihood."""
-    prior = position_prior(points)
-    moving = [
-        MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
-        for i, (a, k) in enumerate(zip(axes, orders, strict=True))
-    ]
+    prior, moving = position_prior(points), moving_axes(points, axes, orders)
     start = best_position(moving, prior)
     rss = [e @ e for e, _ in (linearised(axis, start) for axis in moving)]
     likelihood = joint_data(axes).log_likelihood(np.array(rss))
-    return FreePositionModel((moving[0], moving[1]), prior, frozen(start)), likelihood
+    return FreePositionModel(moving, prior, frozen(start)), likelihood
 
 
 def pinhole_model(
