@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.special import softmax
 
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.families import (
@@ -47,6 +48,9 @@ from bayescal.sources import DrawsSource
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
 POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
+# Share of the weight of all that one weighted draw may have: of its copies the tail that tells
+# of a point left out would be made.
+HEAVIEST = 0.02
 LOO_DRAWS = 4000  # of a sampled model, at most twice as many
 Progress = Callable[[str, int], None]
 Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
@@ -160,7 +164,7 @@ class Found:
     error: float
     pointwise: Array | None
     pareto_k: float
-    k_limit: float
+    k_limit: float | None
     posterior: SampledPosterior | None
     doubts: tuple[str, ...] = ()
     weighted: WeightedDraws | None = None
@@ -183,8 +187,10 @@ def from_posterior(posterior: SampledPosterior) -> Found:
 def from_weights(model: SampledModel, draws: WeightedDraws) -> Found:
     """Find the same by importance sampling alone."""
     estimate = evidence_of(draws.log_weights)
-    pointwise, _, shape = psis_loo(model.log_likelihood(draws.full).T)
     value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
+    if float(softmax(draws.log_weights).max()) > HEAVIEST:
+        return Found(value, error, None, math.inf, None, None, doubts, draws)
+    pointwise, _, shape = psis_loo(model.log_likelihood(draws.full).T)
     limit, largest = good_k(len(draws.full)), float(shape.max())
     return Found(value, error, finite(pointwise), largest, limit, None, doubts, draws)
 

@@ -31,13 +31,13 @@ from bayescal.family_members import (
     shortened,
 )
 from bayescal.family_models import Axis, moving_axes
-from bayescal.inference.adaptation import adapt
+from bayescal.inference.adaptation import adapt, effective_fraction
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.robust_linear import RobustLinearModel
 from bayescal.inference.robust_pair import RobustPair, paired
 from bayescal.inference.robust_position import RobustFreePosition
-from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
+from bayescal.inference.sampled_posterior import FITTED, SampledPosterior, sample_model
 from bayescal.inference.weighting import WeightedDraws, weigh
 from bayescal.models.camera_prior import position_prior
 from bayescal.points.correspondences import Correspondences
@@ -46,6 +46,7 @@ from bayescal.sources import DrawsSource
 
 # Draws that a pair of orders at a free position is weighed by, where it is not sampled.
 ADAPTED_DRAWS = 4000
+TRIES = 3
 
 
 def stated_robust(
@@ -167,5 +168,12 @@ def _candidate(
 
 
 def _weighed(made: _Candidate, rng: np.random.Generator) -> WeightedDraws:
-    proposal = adapt(made.model.log_prob, made.modes, rng).proposal
-    return weigh(made.model, proposal, rng, ADAPTED_DRAWS)
+    """Weigh draws of an adapted proposal, of the best of a few where they fit badly."""
+    found: list[tuple[float, WeightedDraws]] = []
+    for _ in range(TRIES):
+        proposal = adapt(made.model.log_prob, made.modes, rng).proposal
+        draws = weigh(made.model, proposal, rng, ADAPTED_DRAWS)
+        found.append((effective_fraction(draws.log_weights), draws))
+        if found[-1][0] > FITTED:
+            break
+    return max(found, key=lambda pair: pair[0])[1]
