@@ -98,7 +98,8 @@ def compare_joint(
                 else:
                     found += free_members(family, axes[family], wanted_orders, points, settings)
     chances = model_probabilities(found)
-    order = sorted(range(len(found)), key=lambda i: -chances[i])
+    # Probabilities too small for a double are zero, and still have an order.
+    order = sorted(range(len(found)), key=lambda i: (-chances[i], -found[i].log_evidence))
     models = tuple(found[i] for i in order)
     sorted_chances = tuple(chances[i] for i in order)
     verdict = judge_families(models, sorted_chances, _caveats(points, models, sorted_chances))

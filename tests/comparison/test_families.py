@@ -129,7 +129,7 @@ def test_leave_one_out_of_a_pinhole_is_that_of_fits_without_the_point(thesis_fam
 
 def test_a_turned_camera_rejects_the_polynomials():
     found = bc.compare_families(
-        turned_points(0.06), ["separable", "bivariate", "pinhole"], [1], radial_orders=[0, 1],
+        turned_points(0.06), ["separable", "bivariate", "pinhole"], [1, 2], radial_orders=[0, 1],
         ess=400,
     )  # fmt: skip
     assert str(found.best.name) == "pinhole 1, position free"
@@ -137,6 +137,9 @@ def test_a_turned_camera_rejects_the_polynomials():
     assert found.verdict.decided
     # The only other one within reach is the pinhole without distortion.
     assert found.verdict.log_bayes_factor > 100
+    pairs = [m for m in found.models if m.name.family == "separable"]
+    assert found.probabilities[-len(pairs) :] == (0, 0, 0, 0), "too small for a double"
+    assert pairs == sorted(pairs, key=lambda m: -m.log_evidence)
 
 
 @pytest.mark.parametrize(
