@@ -36,9 +36,9 @@ _EXPORTS = {
     "fit_family": "bayescal.api.families",
     "fit_polynomial": "bayescal.api.polynomials",
     "least_squares": "bayescal.api.polynomials",
-    "open_run": "bayescal.report.reopen",
+    "open_run": "bayescal.report.runs",
     "save_report": "bayescal.report.page.page",
-    "save_run": "bayescal.report.run",
+    "save_run": "bayescal.report.runs",
     "plot": "bayescal.report.figures.registry",
     "outliers": "bayescal.api.outliers",
     "reproduce": "bayescal.reproduction",
@@ -82,8 +82,7 @@ if TYPE_CHECKING:
     from bayescal.points.writer import save
     from bayescal.report.figures.registry import plot
     from bayescal.report.page.page import save_report
-    from bayescal.report.reopen import open_run
-    from bayescal.report.run import save_run
+    from bayescal.report.runs import open_run, save_run
     from bayescal.reproduction import reproduce
 
 

@@ -20,7 +20,7 @@ from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.comparison.verdict import judge
 from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
 from bayescal.inference.model import LinearModel
-from bayescal.inference.posterior import Posterior
+from bayescal.inference.posterior import Posterior, sample_posterior
 from bayescal.models import separable
 from bayescal.models.linear import AxisData
 from bayescal.points.correspondences import Correspondences
@@ -142,8 +142,8 @@ def _compare_axis(
     for k in orders:
         if progress is not None:
             progress(data.axis, k)
-        rng = _rng(settings, task, k)
-        posteriors[k] = source.posterior(model_name(data.axis, k), models[k], rng, settings.ess)
+        sample = partial(sample_posterior, models[k], _rng(settings, task, k), settings.ess)
+        posteriors[k] = source.posterior(model_name(data.axis, k), models[k], sample)
     chances, evidences = _probabilities(posteriors)
     found = {k: criteria(fits[k], noise, factors.n, factors.log_sd) for k in orders}
     results = tuple(

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.comparison.families import (
     FREE,
+    PINHOLE,
     STATED,
     FamilyComparison,
+    FamilyRequest,
     JointModel,
     judge_families,
     model_probabilities,
@@ -21,53 +24,38 @@ from bayescal.family_members import Progress, Wanted, free_members, pinhole_memb
 from bayescal.family_models import (
     FAMILIES,
     LINEAR,
-    PINHOLE,
-    PINHOLE_ORDERS,
     Axis,
     linear_axes,
     noise_levels,
 )
 from bayescal.models import separable
 from bayescal.models.camera_prior import pinhole_prior, position_prior
-from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import counted
 from bayescal.settings import Settings
+from bayescal.sources import Computed, DrawsSource
 
 EQUAL = ("families are equally probable beforehand; within one its positions, then its orders",)
 
 
 def compare_joint(
     points: Correspondences,
-    families: Sequence[str],
-    orders: Sequence[int],
-    positions: Sequence[str] | None,
-    radial: Radial,
+    request: FamilyRequest,
     settings: Settings,
-    pinhole_orders: Sequence[int] = PINHOLE_ORDERS,
     progress: Progress | None = None,
-    pairs: Sequence[tuple[int, int]] | None = None,
+    source: DrawsSource | None = None,
 ) -> FamilyComparison:
     """Compare families of models of both axes.
 
     Parameters
     ----------
     points : Correspondences
-    families : sequence of str
-        Of ``"separable"``, ``"bivariate"``, ``"pinhole"``.
-    orders : sequence of int
-        Polynomial degrees, ascending; every pair of them in the separable family.
-    positions : sequence of str or None
-        ``"stated"``, ``"free"`` or both; None: stated, and free for a pinhole, whose
-        position is part of its pose.
-    radial : str
-        Powers of the radius, ``"even"`` or ``"all"``.
+    request : FamilyRequest
     settings : Settings
-    pinhole_orders : sequence of int, optional
-        Numbers of radial coefficients.
-    progress : callable or None
-    pairs : sequence of tuple of int, optional
-        The only pairs of orders, of r and c, to take in the separable family.
+    progress : callable, optional
+        Called with the family and its position before its models are fitted.
+    source : DrawsSource, optional
+        Gives the draws; by default they are drawn now.
 
     Returns
     -------
@@ -78,64 +66,63 @@ def compare_joint(
     InputError
         Where the points can't determine a model, or a family has no such noise.
     """
-    check_request(families, positions, settings)
+    check_request(request, settings)
+    source = source or Computed()
+    families, orders = request.families, request.orders
     with threadpool_limits(1):
         axes = {f: linear_axes(points, f, settings, orders[-1]) for f in families if f in LINEAR}
         levels = noise_levels(points, settings, orders[-1])
         found: list[JointModel] = []
         for family in families:
-            wanted = positions or ((FREE,) if family == PINHOLE else (STATED,))
-            for position in dict.fromkeys(wanted):
+            for position in request.positions_of(family):
                 if progress is not None:
                     progress(f"{family}, position {position}", 0)
                 if family == PINHOLE:
-                    ks = pinhole_orders
-                    found += pinhole_members(points, ks, position, radial, levels, settings)
+                    found += pinhole_members(points, request, position, levels, settings, source)
                     continue
-                wanted_orders = _wanted(family, orders, pairs)
+                wanted = _wanted(family, request)
                 if position == STATED:
-                    found += stated_members(family, axes[family], wanted_orders, points)
+                    found += stated_members(family, axes[family], wanted, points)
                 else:
-                    found += free_members(family, axes[family], wanted_orders, points, settings)
+                    found += free_members(family, axes[family], wanted, points, settings, source)
     chances = model_probabilities(found)
     # Probabilities too small for a double are zero, and still have an order.
     order = sorted(range(len(found)), key=lambda i: (-chances[i], -found[i].log_evidence))
     models = tuple(found[i] for i in order)
     sorted_chances = tuple(chances[i] for i in order)
     verdict = judge_families(models, sorted_chances, _caveats(points, models, sorted_chances))
-    priors = _prior_words(points, families, positions, axes, settings)
+    priors = _prior_words(points, request, axes, settings)
     return FamilyComparison(
         points,
         models,
         sorted_chances,
-        radial,
+        request,
+        settings,
         priors,
         levels.words,
         verdict,
         EQUAL,
-        settings.seed,
-        settings.ess,
     )
 
 
-def check_request(
-    families: Sequence[str], positions: Sequence[str] | None, settings: Settings
-) -> None:
+def check_request(request: FamilyRequest, settings: Settings) -> None:
     """Refuse what no family, or not this one, can do.
 
     Raises
     ------
     InputError
     """
-    for family in families:
+    for family in request.families:
         if family not in FAMILIES:
             raise InputError(f"family must be {', '.join(FAMILIES)}, not {family!r}")
-    for position in positions or ():
+    for position in request.positions or ():
         if position not in (STATED, FREE):
             raise InputError(f"position must be stated or free, not {position!r}")
+    if request.radial not in ("even", "all"):
+        raise InputError(f"radial must be even or all, not {request.radial!r}")
     if settings.prior == "flat":
         raise InputError("a flat prior has no evidence, which families are compared by; drop it")
-    linear = [f for f in families if f in LINEAR]
+    linear = [f for f in request.families if f in LINEAR]
     if settings.noise != "gaussian" and linear:
         raise InputError(
             f"--noise {settings.noise} across families goes with --family pinhole alone so far; "
@@ -143,12 +130,13 @@ def check_request(
         )
 
 
-def _wanted(family: str, orders: Sequence[int], pairs: Sequence[tuple[int, int]] | None) -> Wanted:
+def _wanted(family: str, request: FamilyRequest) -> Wanted:
     """Orders as named, and of r and c."""
+    orders = request.orders
     if family != separable.NAME:
         return [((k,), k, k) for k in orders]
-    listed = pairs if pairs is not None else [(k, m) for k in orders for m in orders]
-    return [((k, m), k, m) for k, m in listed]
+    pairs = request.pairs if request.pairs is not None else list(product(orders, orders))
+    return [((k, m), k, m) for k, m in pairs]
 
 
 def _caveats(
@@ -195,8 +183,7 @@ def _caveats(
 
 def _prior_words(
     points: Correspondences,
-    families: Sequence[str],
-    positions: Sequence[str] | None,
+    request: FamilyRequest,
     axes: dict[str, tuple[Axis, Axis]],
     settings: Settings,
 ) -> tuple[str, ...]:
@@ -206,8 +193,8 @@ def _prior_words(
         names = f"{r.rule.name}" if r.rule.name == c.rule.name else f"{r.rule.name}, {c.rule.name}"
         strong = "tau inferred per axis" if settings.tau is None else f"tau = {settings.tau:g}"
         out.append(f"{family}: {names}, on Legendre amplitudes, {strong}")
-    if FREE in (positions or ()) and axes:
+    if FREE in (request.positions or ()) and axes:
         out.append(f"free position: {position_prior(points)}; the basis keeps its domain")
-    if PINHOLE in families:
+    if PINHOLE in request.families:
         out += [f"pinhole: {line}" for line in str(pinhole_prior(points, settings.tau)).split("\n")]
     return tuple(out)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-from scipy.special import softmax
 
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.families import (
     FREE,
+    PINHOLE,
     STATED,
+    FamilyRequest,
     JointModel,
     ModelName,
 )
@@ -21,7 +23,6 @@ from bayescal.comparison.psis import good_k
 from bayescal.errors import InputError
 from bayescal.family_models import (
     FAMILIES,
-    PINHOLE,
     Axis,
     NoiseLevels,
     criteria_of,
@@ -34,13 +35,14 @@ from bayescal.inference.closed_form import ExactPosterior, exact_posterior
 from bayescal.inference.estimate import from_weights
 from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.position_search import position_mode
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
-from bayescal.inference.t_mixture import TMixture
-from bayescal.models.pinhole import Radial
+from bayescal.inference.weighting import WeightedDraws, weigh
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import Settings
+from bayescal.sources import DrawsSource
 
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
@@ -103,6 +105,7 @@ def free_members(
     orders: Wanted,
     points: Correspondences,
     settings: Settings,
+    source: DrawsSource,
 ) -> list[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
     for i, axis in enumerate(axes):
@@ -123,10 +126,11 @@ def free_members(
         proposal, rng = mixture_about((mode,), np.zeros(1)), _rng(settings, name)
         if name == best:
             guess = proposal, (mode,)
-            posterior = sample_model(model, rng, settings.ess, guess, POSITION_DRAWS)
-            found = _from_posterior(posterior)
+            sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
+            found = _from_posterior(source.sampled(name.key, model, sample))
         else:
-            found = _from_weights(model, proposal, rng)
+            draw = partial(weigh, model, proposal, rng, WEIGHTED_DRAWS)
+            found = _from_weights(model, source.weighted(name.key, model, draw))
         start = model.start
         out.append(_joint(name, count, likelihood, len(points), found, start))
     return out
@@ -143,6 +147,7 @@ class _Found:
     k_limit: float
     posterior: SampledPosterior | None
     doubts: tuple[str, ...] = ()
+    weighted: WeightedDraws | None = None
 
 
 def _from_posterior(posterior: SampledPosterior) -> _Found:
@@ -155,17 +160,13 @@ def _from_posterior(posterior: SampledPosterior) -> _Found:
     return _Found(value, error, pointwise, float(shape.max()), limit, posterior)
 
 
-def _from_weights(model: FreePositionModel, proposal: TMixture, rng: np.random.Generator) -> _Found:
+def _from_weights(model: FreePositionModel, draws: WeightedDraws) -> _Found:
     """Find the same by importance sampling: in three dimensions nearly every draw is effective."""
-    theta = proposal.draw(rng, WEIGHTED_DRAWS)
-    log_w = model.log_prob(theta) - proposal.log_density(theta)
-    estimate = from_weights(log_w)
-    again = theta[rng.choice(len(log_w), len(log_w), p=softmax(log_w))]
-    likelihood = model.log_likelihood(model.complete(again, rng))
-    pointwise, _, shape = psis_loo(likelihood.T)
+    estimate = from_weights(draws.log_weights)
+    pointwise, _, shape = psis_loo(model.log_likelihood(draws.full).T)
     value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
-    limit = good_k(WEIGHTED_DRAWS)
-    return _Found(value, error, pointwise, float(shape.max()), limit, None, doubts)
+    limit, largest = good_k(len(draws.full)), float(shape.max())
+    return _Found(value, error, pointwise, largest, limit, None, doubts, draws)
 
 
 def _joint(
@@ -186,27 +187,25 @@ def _joint(
         found.posterior,
         found.doubts,
         found.k_limit,
+        weighted=found.weighted,
     )
 
 
 def pinhole_members(
     points: Correspondences,
-    orders: Sequence[int],
+    request: FamilyRequest,
     position: str,
-    radial: Radial,
     levels: NoiseLevels,
     settings: Settings,
+    source: DrawsSource,
 ) -> list[JointModel]:
     """Sample the pinhole of each order at one kind of position."""
     out = []
-    for k in orders:
-        model = pinhole_model(points, k, position, radial, levels.data, settings)
+    for k in request.radial_orders:
+        model = pinhole_model(points, k, position, request.radial, levels.data, settings)
         name = ModelName(PINHOLE, (k,), position)
-        guess = None
-        if model.gaussian:
-            modes, log_mass = ladder(model)
-            guess = mixture_about(modes, log_mass), modes[:1]
-        posterior = sample_model(model, _rng(settings, name), settings.ess, guess)
+        sample = partial(_sample_pinhole, model, _rng(settings, name), settings.ess)
+        posterior = source.sampled(name.key, model, sample)
         count = model.geometry.dimension + sum(levels.data.inferred)
         count += 0 if model.gaussian else 2 * model.noise.dimension
         theta = model.geometry.full(model.fit.free[None])
@@ -215,6 +214,14 @@ def pinhole_members(
         found = _from_posterior(posterior)
         out.append(_joint(name, count, likelihood, len(points), found, position_found))
     return out
+
+
+def _sample_pinhole(model: PinholeModel, rng: np.random.Generator, ess: int) -> SampledPosterior:
+    guess = None
+    if model.gaussian:
+        modes, log_mass = ladder(model)
+        guess = mixture_about(modes, log_mass), modes[:1]
+    return sample_model(model, rng, ess, guess)
 
 
 def _rng(settings: Settings, name: ModelName) -> np.random.Generator:

@@ -8,9 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayescal.arrays import Array, frozen
-from bayescal.comparison.families import (
-    STATED,
-)
+from bayescal.comparison.families import PINHOLE, STATED
 from bayescal.errors import InputError
 from bayescal.inference.free_position import FreePositionModel, MovingAxis
 from bayescal.inference.least_squares import factorise
@@ -29,10 +27,8 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.settings import Settings, noise_level, prior_rule
 
-PINHOLE = "pinhole"
 LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
 FAMILIES = (*LINEAR, PINHOLE)
-PINHOLE_ORDERS = (0, 1, 2, 3)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
 from bayescal.comparison.leave_one_out import leave_one_out
-from bayescal.comparison.noise_evidence import NoiseEvidence, Sampler, noise_evidence
+from bayescal.comparison.noise_evidence import NoiseEvidence, noise_evidence
 from bayescal.comparison.outlier_results import AxisOutliers, OutlierStudy, Treatment
 from bayescal.comparison.outliers import (
     Elimination,
@@ -26,7 +26,7 @@ from bayescal.inference.model import LinearModel
 from bayescal.inference.quadrature import FINE
 from bayescal.inference.reweighting import Rows
 from bayescal.inference.robust_linear import RobustLinearModel
-from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.inference.sampled_posterior import SampledPosterior, Sampler, sampled_now
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.gaussian import GAUSSIAN
 from bayescal.models.noise.level import NoiseLevel
@@ -48,7 +48,7 @@ def find_outliers(
     noises: tuple[StudentT, OutlierMixture],
     rejection: RejectionRule,
     tell: Callable[[str], None],
-    sampled: Sampler | None = None,
+    sampler: Sampler = sampled_now,
 ) -> OutlierStudy:
     """Study the bad points of each axis wanted.
 
@@ -65,7 +65,7 @@ def find_outliers(
     rejection : RejectionRule
     tell : callable
         Called with the axis before each noise model is sampled.
-    sampled : callable, optional
+    sampler : callable, optional
         Gives the posteriors of the robust models; by default they are sampled now.
 
     Returns
@@ -95,7 +95,7 @@ def find_outliers(
                 np.random.default_rng(seeds),
                 settings.ess,
                 tell,
-                sampled,
+                sampler,
             )
     return OutlierStudy(axes, points, rejection.significance, settings, noises)
 
@@ -110,7 +110,7 @@ def _axis(
     rng: np.random.Generator,
     ess: int,
     tell: Callable[[str], None],
-    given: Sampler | None,
+    sampler: Sampler,
 ) -> AxisOutliers:
     data, level, words = chosen
     factors = factorise(data, orders[-1])
@@ -124,7 +124,7 @@ def _axis(
     sampled = []
     for noise, child in zip(robust, rng.spawn(2), strict=True):
         tell(data.axis)
-        sampled.append(noise_evidence(data, level, rule, noise, orders, child, ess, given))
+        sampled.append(noise_evidence(data, level, rule, noise, orders, child, ess, sampler))
     heavy, mixture = sampled
     best = max((gaussian, heavy, mixture), key=lambda e: e.total)
     order = best.order

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from bayescal.comparison.robust_caveats import robust_caveats
 from bayescal.comparison.verdict import judge
 from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.robust_linear import RobustLinearModel
+from bayescal.inference.sampled_posterior import sample_model
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import PriorRule
@@ -63,7 +65,8 @@ def compare_robustly(
         if progress is not None:
             progress(data.axis, k)
         name = f"{data.axis}-order-{k}"
-        posteriors[k] = source.sampled(name, model, rng(k), settings.ess)
+        sample = partial(sample_model, model, rng(k), settings.ess)
+        posteriors[k] = source.sampled(name, model, sample)
     evidence = {k: p.log_evidence for k, p in posteriors.items()}
     chances = dict(zip(evidence, probabilities(list(evidence.values())), strict=True))
     results = tuple(

@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-
 from bayescal.inference.model import LinearModel
-from bayescal.inference.posterior import Posterior, sample_posterior
+from bayescal.inference.posterior import Posterior
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
     from bayescal.comparison.noise_evidence import NoiseEvidence
     from bayescal.inference.sampled_model import SampledModel
     from bayescal.inference.sampled_posterior import SampledPosterior
+    from bayescal.inference.weighting import WeightedDraws
 
 
 class Source(Protocol):
     """Where what takes long comes from: computed now, or read from a run that kept it."""
 
     def posterior(
-        self, name: str, model: LinearModel, rng: np.random.Generator, ess: int
+        self, name: str, model: LinearModel, compute: Callable[[], Posterior]
     ) -> Posterior:
         """Posterior of a model; `name`, such as ``"r-order-4"``, is its own in the comparison."""
         ...
 
     def sampled(
-        self, name: str, model: SampledModel, rng: np.random.Generator, ess: int
+        self, name: str, model: SampledModel, compute: Callable[[], SampledPosterior]
     ) -> SampledPosterior:
         """Posterior of a model without a closed form."""
         ...
@@ -39,30 +39,51 @@ class Source(Protocol):
         ...
 
 
+class DrawsSource(Protocol):
+    """The same for models of r and c together."""
+
+    def sampled(
+        self, name: str, model: SampledModel, compute: Callable[[], SampledPosterior]
+    ) -> SampledPosterior:
+        """Posterior of a model that is sampled; `name` is its own in the comparison."""
+        ...
+
+    def weighted(
+        self, name: str, model: SampledModel, compute: Callable[[], WeightedDraws]
+    ) -> WeightedDraws:
+        """Weighted draws of a model that is not."""
+        ...
+
+
 class Computed:
     """Everything computed now; models are sampled with emcee."""
 
     def posterior(
         self,
         name: str,  # noqa: ARG002 - for those who keep draws by name
-        model: LinearModel,
-        rng: np.random.Generator,
-        ess: int,
+        model: LinearModel,  # noqa: ARG002
+        compute: Callable[[], Posterior],
     ) -> Posterior:
         """Sample a model."""
-        return sample_posterior(model, rng, ess)
+        return compute()
 
     def sampled(
         self,
         name: str,  # noqa: ARG002
-        model: SampledModel,
-        rng: np.random.Generator,
-        ess: int,
+        model: SampledModel,  # noqa: ARG002
+        compute: Callable[[], SampledPosterior],
     ) -> SampledPosterior:
         """Sample a model without a closed form."""
-        from bayescal.inference.sampled_posterior import sample_model
+        return compute()
 
-        return sample_model(model, rng, ess)
+    def weighted(
+        self,
+        name: str,  # noqa: ARG002
+        model: SampledModel,  # noqa: ARG002
+        compute: Callable[[], WeightedDraws],
+    ) -> WeightedDraws:
+        """Draw and weigh."""
+        return compute()
 
     def wins(self, axis: str, unit: str) -> None:  # noqa: ARG002
         """Know nothing yet."""

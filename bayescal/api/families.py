@@ -7,11 +7,13 @@ from typing import Unpack
 
 from bayescal.analysis import Progress
 from bayescal.api.options import Options, spelled_out
-from bayescal.comparison.families import FamilyComparison
+from bayescal.comparison.families import FamilyComparison, FamilyRequest
 from bayescal.family_analysis import compare_joint
 from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
+
+RADIAL_ORDERS = (0, 1, 2, 3)
 
 
 @spelled_out(Options)
@@ -22,7 +24,7 @@ def compare_families(
     *,
     position: Sequence[str] | None = None,
     radial: Radial = "even",
-    radial_orders: Sequence[int] = (0, 1, 2, 3),
+    radial_orders: Iterable[int] = RADIAL_ORDERS,
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> FamilyComparison:
@@ -39,7 +41,7 @@ def compare_families(
         ``"stated"``, ``"free"`` or both; by default stated, and free for a pinhole.
     radial : str, optional
         ``"even"`` or ``"all"`` powers of the radius in the pinhole's distortion.
-    radial_orders : sequence of int, optional
+    radial_orders : iterable of int, optional
         Numbers of radial coefficients.
     progress : callable, optional
         Called with the family and its position before its models are fitted.
@@ -57,9 +59,25 @@ def compare_families(
         Where the points can't determine a model, or a setting is not usable.
     """
     settings = Settings(**options, defend=False)
-    numbers = tuple(sorted(set(radial_orders)))
-    wanted = checked_orders(orders)
-    return compare_joint(points, families, wanted, position, radial, settings, numbers, progress)
+    request = family_request(families, orders, position, radial, radial_orders)
+    return compare_joint(points, request, settings, progress)
+
+
+def family_request(
+    families: Sequence[str],
+    orders: Iterable[int],
+    position: Sequence[str] | None = None,
+    radial: Radial = "even",
+    radial_orders: Iterable[int] = RADIAL_ORDERS,
+) -> FamilyRequest:
+    """Say which models are wanted; parameters and errors as of `compare_families`."""
+    return FamilyRequest(
+        tuple(dict.fromkeys(families)),
+        checked_orders(orders),
+        None if position is None else tuple(position),
+        radial,
+        checked_orders(radial_orders, lowest=0),
+    )
 
 
 @spelled_out(Options)
@@ -100,8 +118,7 @@ def fit_family(
     settings = Settings(**options, defend=False)
     radial_orders = checked_orders(orders, lowest=0) if family == "pinhole" else (0,)
     degrees = (1,) if family == "pinhole" else checked_orders(orders)
-    pair = [(orders[0], orders[-1])] if family == "separable" else None
+    pair = ((orders[0], orders[-1]),) if family == "separable" else None
     where = None if position is None else (position,)
-    return compare_joint(
-        points, (family,), degrees, where, radial, settings, radial_orders, None, pair
-    )
+    request = FamilyRequest((family,), degrees, where, radial, radial_orders, pair)
+    return compare_joint(points, request, settings)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from bayescal.commands import options as shared
+from bayescal.commands.families import add_families, deliver_families, families_of
 from bayescal.commands.output import add_output, check_output, deliver
 from bayescal.errors import InputError
 
@@ -22,14 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="answer a referee too: leave-one-out, prior sensitivity, stability, orders beyond "
         "the range (some seconds more)",
     )
-    shared.add_families(parser, several=True)
-    parser.add_argument(
-        "--radial-orders",
-        type=shared.orders,
-        default="0-3",
-        metavar="K-L",
-        help="numbers of radial coefficients of the pinhole (0-3)",
-    )
+    add_families(parser, several=True)
     parser.add_argument(
         "--no-families",
         action="store_true",
@@ -42,8 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compare, print and write; return the exit code."""
-    if options.family is not None or options.position is not None:
-        return _across_families(options)
+    asked = families_of(options)
+    if asked is not None:
+        return _across_families(options, asked)
     from bayescal.api.axes import compare
     from bayescal.report.terminal import comparison_view
 
@@ -61,26 +57,17 @@ def run(options: argparse.Namespace) -> int:
     return deliver(options, result, comparison_view)
 
 
-def _across_families(options: argparse.Namespace) -> int:
+def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     """Compare families of models of r and c together."""
     from bayescal.api.families import compare_families
-    from bayescal.commands.families import check_families, deliver_families
     from bayescal.report.families import families_view
 
     if options.axis in ("r", "c") or options.defend:
         option = "--defend" if options.defend else f"--axis {options.axis}"
         raise InputError(f"compare: families are models of r and c together; drop {option}")
-    check_families(options)
+    check_output(options)
     points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
-    with shared.Progress(options, 2 * len(options.family or ["separable"])) as progress:
-        result = compare_families(
-            points,
-            options.family or ["separable"],
-            position=options.position,
-            radial=options.radial,
-            radial_orders=options.radial_orders,
-            progress=progress,
-            **given,
-        )
+    with shared.Progress(options, 2 * len(asked["families"])) as progress:
+        result = compare_families(points, progress=progress, **asked, **given)
     return deliver_families(options, result, families_view)

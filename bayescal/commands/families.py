@@ -1,4 +1,4 @@
-"""Output of the commands that work on joint models."""
+"""What the commands that work on models of r and c together share: options and output."""
 
 from __future__ import annotations
 
@@ -7,20 +7,74 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bayescal.commands.output import check_json, check_nested, code_of, publish
+from bayescal.commands import options as shared
+from bayescal.commands.output import code_of, publish
+from bayescal.errors import InputError
 
 if TYPE_CHECKING:
     from bayescal.comparison.families import FamilyComparison
 
 
-def check_families(options: argparse.Namespace) -> None:
-    """Refuse output that can't be written before anything is computed."""
-    check_json(options)
-    check_nested(options)
-    if options.out is not None:
-        from bayescal.report.families_document import check_families_folder
+def add_families(parser: argparse.ArgumentParser, *, several: bool) -> None:
+    """Add which families, and what is known of the camera position."""
+    group = parser.add_argument_group("families")
+    names = "separable, bivariate, pinhole"
+    group.add_argument(
+        "--family",
+        type=words(("separable", "bivariate", "pinhole")) if several else str,
+        metavar="F,G" if several else "F",
+        help=f"r and c jointly, one table over families: {names}" if several else f"of {names}",
+    )
+    group.add_argument(
+        "--position",
+        type=words(("stated", "free")),
+        metavar="stated,free" if several else "stated|free",
+        help="camera position exact as stated, or inferred about it (stated; a pinhole's free)",
+    )
+    group.add_argument(
+        "--radial",
+        choices=("even", "all"),
+        help="powers of the radius in the pinhole's distortion (even)",
+    )
+    if several:
+        group.add_argument(
+            "--radial-orders",
+            type=shared.orders,
+            metavar="K-L",
+            help="numbers of radial coefficients of the pinhole (0-3)",
+        )
 
-        check_families_folder(Path(options.out), force=options.force)
+
+def families_of(options: argparse.Namespace) -> dict[str, Any] | None:
+    """Collect which families are asked for; None where none is.
+
+    Raises
+    ------
+    InputError
+        Where an option of the pinhole is given, but no pinhole is compared.
+    """
+    names = ("radial", "radial_orders")
+    given = {name: v for name in names if (v := getattr(options, name, None)) is not None}
+    families = list(options.family or ["separable"])
+    if given and "pinhole" not in families:
+        option = "--" + next(iter(given)).replace("_", "-")
+        raise InputError(f"{option} is of a pinhole: add --family pinhole, or leave it out")
+    if options.family is None and options.position is None:
+        return None
+    return {"families": families, "position": options.position, **given}
+
+
+def words(known: tuple[str, ...]) -> Callable[[str], list[str]]:
+    """Make a parser of known words separated by commas."""
+
+    def parse(text: str) -> list[str]:
+        found = [part.strip() for part in text.split(",")]
+        for part in found:
+            if part not in known:
+                raise argparse.ArgumentTypeError(f"{part[:40]!r} is none of {', '.join(known)}")
+        return list(dict.fromkeys(found))
+
+    return parse
 
 
 def deliver_families(
@@ -37,7 +91,7 @@ def deliver_families(
         return dumps(families_document(result, options.command_line))
 
     def write(folder: Path, text: str) -> None:
-        from bayescal.report.families_document import write_families
+        from bayescal.report.families_run import write_families
 
         write_families(folder, result, text, force=options.force)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from bayescal.commands import options as shared
+from bayescal.commands.families import add_families, deliver_families
 from bayescal.commands.output import add_output, check_output, deliver
 from bayescal.errors import InputError
 
@@ -16,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("--order-r", type=int, metavar="K", help="order of r(x/z)")
     parser.add_argument("--order-c", type=int, metavar="K", help="order of c(y/z)")
-    shared.add_families(parser, several=False)
+    add_families(parser, several=False)
     parser.add_argument(
         "--order", type=int, metavar="K", help="of bivariate or pinhole: degree or coefficients"
     )
@@ -27,6 +28,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Fit, print and write; return the exit code."""
+    if options.radial is not None and options.family != "pinhole":
+        raise InputError("--radial is of a pinhole: add --family pinhole, or leave it out")
     if options.family is not None or options.position is not None:
         return _joint(options)
     if options.order_r is None and options.order_c is None:
@@ -50,7 +53,6 @@ def run(options: argparse.Namespace) -> int:
 def _joint(options: argparse.Namespace) -> int:
     """Fit one model of r and c together."""
     from bayescal.api.families import fit_family
-    from bayescal.commands.families import check_families, deliver_families
     from bayescal.report.families import joint_fit_view
 
     family = options.family or "separable"
@@ -64,13 +66,13 @@ def _joint(options: argparse.Namespace) -> int:
             raise InputError(f"fit: give --order of the {family} family")
     if options.position is not None and len(options.position) != 1:
         raise InputError("fit: give one --position, stated or free")
-    check_families(options)
+    check_output(options)
     result = fit_family(
         shared.points(options),
         family,
         wanted,
         position=None if options.position is None else options.position[0],
-        radial=options.radial,
+        radial=options.radial or "even",
         **shared.settings(options),
     )
     return deliver_families(options, result, joint_fit_view)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import sys
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -109,43 +108,6 @@ def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
         default=None,
         help="let the bad points of outlier-mixture be off to one side (spread about the good)",
     )
-
-
-def add_families(parser: argparse.ArgumentParser, *, several: bool) -> None:
-    """Add which families, and what is known of the camera position."""
-    group = parser.add_argument_group("families")
-    names = "separable, bivariate, pinhole"
-    group.add_argument(
-        "--family",
-        type=words(("separable", "bivariate", "pinhole")) if several else str,
-        metavar="F,G" if several else "F",
-        help=f"r and c jointly, one table over families: {names}" if several else f"of {names}",
-    )
-    group.add_argument(
-        "--position",
-        type=words(("stated", "free")),
-        metavar="stated,free" if several else "stated|free",
-        help="camera position exact as stated, or inferred about it (stated; a pinhole's free)",
-    )
-    group.add_argument(
-        "--radial",
-        choices=("even", "all"),
-        default="even",
-        help="powers of the radius in the pinhole's distortion (even)",
-    )
-
-
-def words(known: tuple[str, ...]) -> Callable[[str], list[str]]:
-    """Make a parser of known words separated by commas."""
-
-    def parse(text: str) -> list[str]:
-        found = [part.strip() for part in text.split(",")]
-        for part in found:
-            if part not in known:
-                raise argparse.ArgumentTypeError(f"{part[:40]!r} is none of {', '.join(known)}")
-        return list(dict.fromkeys(found))
-
-    return parse
 
 
 def orders(text: str) -> list[int]:

@@ -154,9 +154,9 @@ def deliver(
         return dumps(document(result, options.command_line))
 
     def write(folder: Path, text: str) -> None:
-        from bayescal.report.run import write_run
+        from bayescal.report.comparison_run import write_comparison
 
-        write_run(folder, result, text, force=options.force)
+        write_comparison(folder, result, text, force=options.force)
 
     publish(options, text, write, lambda: view(result))
     return exit_code(result)

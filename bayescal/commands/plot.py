@@ -8,18 +8,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import DONE, add_progress, check_file, exit_code
+from bayescal.commands.output import DONE, add_progress, check_file, code_of
 from bayescal.errors import InputError
-from bayescal.report.figures.registry import KINDS, FigureKind
+from bayescal.report.figures.registry import FAMILY_KINDS, KINDS, FigureKind
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from bayescal.comparison.results import Comparison
 
 HELP = "one figure of a comparison"
 DESCRIPTION = (
     "Draw one figure of a comparison, made now from POINTS or reopened from a RUN that compare "
-    "--out wrote. What the figure needs, such as the defence, is computed."
+    "--out wrote. What the figure needs, such as the defence, is computed. "
+    f"{', '.join(FAMILY_KINDS)}: of a RUN that compare --family --out wrote."
 )
+ALL = {**KINDS, **FAMILY_KINDS}
 SUFFIXES = (".png", ".svg", ".pdf")
 # --axis chooses among what a run holds.
 SETTLED = ("orders", *shared.CAMERA, *shared.MODEL)
@@ -35,8 +39,9 @@ class _ListKinds(argparse.Action):
         values: str | Sequence[Any] | None,  # noqa: ARG002
         option_string: str | None = None,  # noqa: ARG002
     ) -> None:
-        width = max(map(len, KINDS))
+        width = max(map(len, ALL))
         lines = [f"{k.name:{width}}  {k.summary}{_taken(k)}" for k in KINDS.values()]
+        lines += [f"{k.name:{width}}  {k.summary}" for k in FAMILY_KINDS.values()]
         print("\n".join(lines))
         parser.exit(DONE)
 
@@ -49,9 +54,7 @@ def _taken(kind: FigureKind) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "kind", choices=KINDS, metavar="KIND", help=f"what to draw: {', '.join(KINDS)}"
-    )
+    parser.add_argument("kind", choices=ALL, metavar="KIND", help=f"what to draw: {', '.join(ALL)}")
     parser.add_argument(
         "--list", action=_ListKinds, nargs=0, help="say what each kind shows, and end"
     )
@@ -73,22 +76,46 @@ def run(options: argparse.Namespace) -> int:
     """Compare or reopen, draw, write; return the exit code."""
     from bayescal.files import write_whole
 
-    kind, path = KINDS[options.kind], Path(options.out)
+    path = Path(options.out)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{path}: a figure is written as {', '.join(SUFFIXES)}; name it so")
     check_file(options, path)
     reopened = shared.is_run(options, SETTLED)
-    if not reopened:
-        _check(kind, options)
-    result = _reopened(kind, options) if reopened else _compared(kind, options)
-    figure = kind.draw(result, options.axis, options.order)
+    of_families = options.kind in FAMILY_KINDS
+    figure, words, sound = (_of_families if of_families else _of_orders)(options, reopened)
     from bayescal.report.figures.style import figure_bytes
 
     write_whole(path, figure_bytes(figure, suffix[1:]), force=options.force)
     if not options.quiet:
-        print(f"{path}: {kind.alt_text(result, options.axis, options.order)}")
-    return exit_code(result)
+        print(f"{path}: {words}")
+    return code_of(sound=sound)
+
+
+def _of_families(options: argparse.Namespace, reopened: bool) -> tuple[Figure, str, bool]:
+    """Draw a figure of a run of families; give what is to be seen, and whether it is sound."""
+    kind = FAMILY_KINDS[options.kind]
+    if not reopened:
+        raise InputError(
+            f"{kind.name} is of families: name a run that compare --family --out wrote"
+        )
+    for name in ("axis", "order"):
+        if getattr(options, name) is not None:
+            raise InputError(f"{kind.name} is of r and c together; leave out --{name}")
+    from bayescal.report.families_run import open_families
+
+    found = open_families(options.points)
+    return kind.draw(found), kind.alt_text(found), found.sound
+
+
+def _of_orders(options: argparse.Namespace, reopened: bool) -> tuple[Figure, str, bool]:
+    """Draw a figure of a comparison of orders, likewise."""
+    kind = KINDS[options.kind]
+    if not reopened:
+        _check(kind, options)
+    result = _reopened(kind, options) if reopened else _compared(kind, options)
+    figure = kind.draw(result, options.axis, options.order)
+    return figure, kind.alt_text(result, options.axis, options.order), result.sound
 
 
 def _check(kind: FigureKind, options: argparse.Namespace) -> None:
@@ -121,6 +148,6 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
 
 
 def _reopened(kind: FigureKind, options: argparse.Namespace) -> Comparison:
-    from bayescal.report.reopen import open_run
+    from bayescal.report.comparison_run import open_comparison
 
-    return open_run(options.points, defend=kind.needs_defence)
+    return open_comparison(options.points, defend=kind.needs_defence)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bayescal.commands import options as shared
+from bayescal.commands.families import add_families, families_of
 from bayescal.commands.output import add_progress, check_file, code_of
 from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
+    from bayescal.comparison.families import FamilyComparison
     from bayescal.comparison.outlier_results import OutlierStudy
     from bayescal.comparison.results import Comparison
     from bayescal.report.page.blocks import Page
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 HELP = "one page to attach to a calibration (HTML, PDF)"
 DESCRIPTION = (
     "Write a comparison with its defence as one self-contained HTML page, made now from POINTS or "
-    "reopened from a RUN that compare --out or outliers --out wrote."
+    "reopened from a RUN that compare --out, fit --out or outliers --out wrote."
 )
 SETTLED = (*shared.COMPARED, *shared.CAMERA, *shared.MODEL)
 
@@ -34,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="look for bad points too: a section of their own (about a minute more)",
     )
+    add_families(parser, several=True)
     output = parser.add_argument_group("output")
     output.add_argument("--out", required=True, metavar="FILE.html", help="the page")
     output.add_argument(
@@ -60,7 +63,12 @@ def run(options: argparse.Namespace) -> int:
         check_browser(browser)
     if options.outliers and options.prior == "flat":
         raise InputError("--outliers compares evidences, which a flat prior does not have")
-    page, lines, sound = _page(options)
+    asked = families_of(options)
+    if asked is not None and options.axis in ("r", "c"):
+        raise InputError(
+            f"report: families are models of r and c together; drop --axis {options.axis}"
+        )
+    page, lines, sound = _page(options, asked)
     from bayescal.report.page.page import html
 
     made = html(page)
@@ -78,34 +86,87 @@ def run(options: argparse.Namespace) -> int:
     return code_of(sound=sound)
 
 
-def _page(options: argparse.Namespace) -> tuple[Page, list[str], bool]:
+def _page(
+    options: argparse.Namespace, asked: dict[str, Any] | None
+) -> tuple[Page, list[str], bool]:
     """Make the page, what to say of it in a few lines, and whether it is sound."""
-    from bayescal.report.outliers import SCHEMA as OUTLIERS
-    from bayescal.report.page.page import page_of, study_page
+    from bayescal.report.page.page import page_of
     from bayescal.report.page.sections import SECTIONS
-    from bayescal.report.run_files import schema_of
 
     kept = shared.is_run(options, SETTLED)
-    if kept and schema_of(Path(options.points)) == OUTLIERS:
-        from bayescal.report.outliers_run import open_outliers
-
-        if options.outliers:
-            raise InputError(
-                f"{options.points}: is a run of outliers, which the page is about anyway; leave "
-                "out --outliers"
-            )
-        found = open_outliers(options.points)
-        lines = [f"{name}: {axis.verdict}" for name, axis in found.axes.items()]
-        return study_page(found, options.command_line), lines, found.sound
+    if kept:
+        alone = _of_another_run(options, asked)
+        if alone is not None:
+            return alone
+    if not kept and asked is not None:
+        _check_families(options, asked)
     result = _reopened(options) if kept else _compared(options)
+    families = None if asked is None else _families(options, result, asked)
     study = _bad_points(options, result) if options.outliers else None
     with shared.Progress(options, len(SECTIONS), "drawing", "section") as progress:
-        page = page_of(result, options.command_line, study, progress.named)
+        page = page_of(result, options.command_line, study, progress.named, families)
     lines = [
         f"{name}: " + (f"order {order}" if order is not None else "no order")
         for name, order in result.orders.items()
     ]
-    return page, lines, result.sound and (study is None or study.sound)
+    if families is not None:
+        lines.append(families.verdict.text)
+    return page, lines, all(found.sound for found in (result, study, families) if found is not None)
+
+
+def _of_another_run(
+    options: argparse.Namespace, asked: dict[str, Any] | None
+) -> tuple[Page, list[str], bool] | None:
+    """Make the page of a run that is no comparison of orders; None where it is one."""
+    from bayescal.report.families_document import SCHEMA as FAMILIES
+    from bayescal.report.outliers import SCHEMA as OUTLIERS
+    from bayescal.report.page.page import families_page, study_page
+    from bayescal.report.run_files import schema_of
+
+    schema, place = schema_of(Path(options.points)), options.points
+    if schema not in (FAMILIES, OUTLIERS):
+        return None
+    if options.outliers or asked is not None:
+        what, of = ("--outliers", OUTLIERS) if options.outliers else ("--family", FAMILIES)
+        about = "which the page is about anyway" if schema == of else "which holds nothing else"
+        kind = "outliers" if schema == OUTLIERS else "families"
+        raise InputError(f"{place}: is a run of {kind}, {about}; leave out {what}")
+    if schema == FAMILIES:
+        from bayescal.report.families_run import open_families
+
+        found = open_families(place)
+        return families_page(found, options.command_line), [found.verdict.text], found.sound
+    from bayescal.report.outliers_run import open_outliers
+
+    study = open_outliers(place)
+    lines = [f"{name}: {axis.verdict}" for name, axis in study.axes.items()]
+    return study_page(study, options.command_line), lines, study.sound
+
+
+def _check_families(options: argparse.Namespace, asked: dict[str, Any]) -> None:
+    """Refuse, before anything is sampled, families that can't be compared so."""
+    from bayescal.api.families import family_request
+    from bayescal.family_analysis import check_request
+    from bayescal.settings import Settings
+
+    given = {k: v for k, v in shared.settings(options).items() if k not in shared.COMPARED}
+    check_request(family_request(orders=shared.orders_of(options), **asked), Settings(**given))
+
+
+def _families(
+    options: argparse.Namespace, result: Comparison, asked: dict[str, Any]
+) -> FamilyComparison:
+    """Compare families of models of the same points under the comparison's own settings."""
+    from dataclasses import asdict
+
+    from bayescal.api.families import compare_families
+
+    if result.points is None or len(result.axes) != 2:
+        raise InputError(f"{options.points}: holds one axis; families are models of r and c")
+    orders = sorted({r.order for axis in result.axes.values() for r in axis.orders})
+    given = {k: v for k, v in asdict(result.settings).items() if k != "defend"}
+    with shared.Progress(options, 2 * len(asked["families"])) as progress:
+        return compare_families(result.points, orders=orders, progress=progress, **asked, **given)
 
 
 def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy:
@@ -146,6 +207,6 @@ def _compared(options: argparse.Namespace) -> Comparison:
 
 
 def _reopened(options: argparse.Namespace) -> Comparison:
-    from bayescal.report.reopen import open_run
+    from bayescal.report.comparison_run import open_comparison
 
-    return open_run(options.points, defend=True)
+    return open_comparison(options.points, defend=True)

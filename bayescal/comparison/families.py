@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bayescal.arrays import Array
 from bayescal.comparison.evidence import PLAUSIBLE, strength
@@ -15,8 +15,12 @@ from bayescal.points.correspondences import Correspondences
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
     from bayescal.inference.closed_form import ExactPosterior
     from bayescal.inference.sampled_posterior import SampledPosterior
+    from bayescal.inference.weighting import WeightedDraws
+    from bayescal.models.pinhole import Radial
+    from bayescal.settings import Settings
 
 STATED, FREE = "stated", "free"
+PINHOLE = "pinhole"  # the family without a closed form
 
 
 @dataclass(frozen=True)
@@ -41,9 +45,48 @@ class ModelName:
         """The order in words: ``"4, 1"`` or ``"2"``."""
         return ", ".join(str(k) for k in self.orders)
 
+    @property
+    def key(self) -> str:
+        """Name for a file: ``"separable-4-1-free"``."""
+        return "-".join([self.family, *map(str, self.orders), self.position])
+
     def __str__(self) -> str:
         order = f"({self.order})" if len(self.orders) > 1 else self.order
         return f"{self.family} {order}, position {self.position}"
+
+
+@dataclass(frozen=True)
+class FamilyRequest:
+    """Which models of r and c are wanted.
+
+    Attributes
+    ----------
+    families : tuple of str
+        Of ``"separable"``, ``"bivariate"``, ``"pinhole"``.
+    orders : tuple of int
+        Polynomial degrees, ascending; every pair of them in the separable family.
+    positions : tuple of str or None
+        ``"stated"``, ``"free"`` or both; None: stated, and free for a pinhole, whose
+        position is part of its pose.
+    radial : str
+        Powers of the radius in the pinhole's distortion, ``"even"`` or ``"all"``.
+    radial_orders : tuple of int
+        Numbers of radial coefficients of the pinhole.
+    pairs : tuple of tuple of int, or None
+        The only pairs of orders, of r and c, to take in the separable family.
+    """
+
+    families: tuple[str, ...]
+    orders: tuple[int, ...]
+    positions: tuple[str, ...] | None = None
+    radial: Radial = "even"
+    radial_orders: tuple[int, ...] = (0,)
+    pairs: tuple[tuple[int, int], ...] | None = None
+
+    def positions_of(self, family: str) -> tuple[str, ...]:
+        """Treatments of the position wanted of a family."""
+        default = FREE if family == PINHOLE else STATED
+        return tuple(dict.fromkeys(self.positions or (default,)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +122,8 @@ class JointModel:
         Below it `pareto_k` is good; fewer draws can judge thinner tails only.
     exact : tuple of ExactPosterior
         Of r and of c, at the stated position of a linear family; empty elsewhere.
+    weighted : WeightedDraws or None
+        Of a model that has no closed form and was not sampled.
     """
 
     name: ModelName
@@ -97,6 +142,7 @@ class JointModel:
     doubts: tuple[str, ...] = ()
     k_limit: float | None = None
     exact: tuple[ExactPosterior, ...] = ()
+    weighted: WeightedDraws | None = None
 
     @property
     def sound(self) -> bool:
@@ -155,27 +201,30 @@ class FamilyComparison:
         The most probable first.
     probabilities : tuple of float
         Of each, in the same order.
-    radial : str
-        Powers of the radius in the pinhole's distortion.
+    request : FamilyRequest
+        Which models were asked for.
+    settings : Settings
+        Noise level, prior, seed and so on, as asked for.
     priors : tuple of str
         One line for each.
     noise : tuple of str
         How the noise level of r and of c was chosen.
     verdict : FamilyVerdict
     notes : tuple of str
-    seed, ess : int
+    origin : dict or None
+        As of `bayescal.comparison.results.Comparison`.
     """
 
     points: Correspondences
     models: tuple[JointModel, ...]
     probabilities: tuple[float, ...]
-    radial: str
+    request: FamilyRequest
+    settings: Settings
     priors: tuple[str, ...]
     noise: tuple[str, ...]
     verdict: FamilyVerdict
     notes: tuple[str, ...]
-    seed: int
-    ess: int
+    origin: dict[str, Any] | None = None
 
     @property
     def best(self) -> JointModel:

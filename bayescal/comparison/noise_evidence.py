@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from scipy.special import logsumexp
@@ -17,8 +18,12 @@ from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.least_squares import factorise
 from bayescal.inference.model import LinearModel
 from bayescal.inference.robust_linear import RobustLinearModel
-from bayescal.inference.sampled_model import SampledModel
-from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
+from bayescal.inference.sampled_posterior import (
+    SampledPosterior,
+    Sampler,
+    sample_model,
+    sampled_now,
+)
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.choice import NOISE_MODELS, TYPICAL_SIZE, NoiseChoice
 from bayescal.models.noise.gaussian import Gaussian
@@ -27,8 +32,6 @@ from bayescal.models.noise.model import NoiseModel
 from bayescal.models.priors import PriorRule
 from bayescal.rounding import significant
 
-# Gives a model's posterior, by the model's name: sampled now, or read from where it was kept.
-Sampler = Callable[[str, SampledModel, np.random.Generator, int], SampledPosterior]
 # Effective samples of a posterior of which only the evidence and means are wanted.
 ESS = 1000
 # 2 ln B above which another noise model is worth more than a bare mention (Kass & Raftery).
@@ -91,7 +94,7 @@ def noise_evidence(
     orders: Sequence[int],
     rng: np.random.Generator,
     ess: int = ESS,
-    sampled: Sampler | None = None,
+    sampler: Sampler = sampled_now,
 ) -> NoiseEvidence:
     """Evidence of orders under a noise model: in closed form, or sampled.
 
@@ -106,7 +109,7 @@ def noise_evidence(
     rng : numpy.random.Generator
     ess : int, optional
         Effective samples wanted of every parameter.
-    sampled : callable, optional
+    sampler : callable, optional
         Gives the posteriors; by default they are sampled now.
     """
     if isinstance(noise, Gaussian):
@@ -118,26 +121,17 @@ def noise_evidence(
             for k in orders
         }
         return NoiseEvidence(noise.name, exact, dict.fromkeys(orders, 0.0), {}, {})
-    posteriors = {
-        k: (sampled or _now)(
-            model_name(data.axis, noise.name, k),
-            RobustLinearModel.of_order(data, k, level, rule.of_order(k), noise),
-            child,
-            ess,
-        )
-        for k, child in zip(orders, rng.spawn(len(orders)), strict=True)
-    }
+    posteriors = {}
+    for k, child in zip(orders, rng.spawn(len(orders)), strict=True):
+        model = RobustLinearModel.of_order(data, k, level, rule.of_order(k), noise)
+        name = model_name(data.axis, noise.name, k)
+        posteriors[k] = sampler(name, model, partial(sample_model, model, child, ess))
     return from_posteriors(noise.name, posteriors)
 
 
 def model_name(axis: str, noise: str, order: int) -> str:
     """Name of a sampled model, under which a run keeps its draws."""
     return f"{axis}-{noise}-order-{order}"
-
-
-def _now(_: str, model: SampledModel, rng: np.random.Generator, ess: int) -> SampledPosterior:
-    """Sample a model."""
-    return sample_model(model, rng, ess)
 
 
 def from_posteriors(name: str, posteriors: Mapping[int, SampledPosterior]) -> NoiseEvidence:

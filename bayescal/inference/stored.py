@@ -20,6 +20,7 @@ from bayescal.inference.posterior import summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.sampling import Chain
+from bayescal.inference.weighting import WeightedDraws
 
 
 def pack(chain: Chain, names: tuple[str, ...]) -> Draws:
@@ -134,3 +135,48 @@ def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
         raise ValueError(f"lacks {error}") from None
     summaries = summarise(model.names, chain)
     return SampledPosterior(model, chain, full, summaries, estimate, modes)
+
+
+def pack_weighted(draws: WeightedDraws) -> Draws:
+    """Arrange weighted draws: those picked as a chain of their own, and all log weights.
+
+    Parameters
+    ----------
+    draws : WeightedDraws
+    """
+    names, reported = draws.model.names, draws.model.report(draws.full)
+    return Draws(
+        {
+            "posterior": {name: reported[None, :, j] for j, name in enumerate(names)},
+            "unconstrained_posterior": {"full": draws.full[None]},
+            "sample_stats": {"log_weights": draws.log_weights[None]},
+        },
+        {},
+        {"names": list(names)},
+    )
+
+
+def unpack_weighted(draws: Draws, model: SampledModel) -> WeightedDraws:
+    """Undo `pack_weighted`, to the last bit.
+
+    Parameters
+    ----------
+    draws : Draws
+    model : SampledModel
+        That the draws are of.
+
+    Raises
+    ------
+    ValueError
+        Where the draws are of other parameters, or something is missing.
+    """
+    try:
+        if tuple(draws.values["names"]) != model.names:
+            raise ValueError(f"holds other parameters than {', '.join(model.names)}")
+        (full,) = draws.groups["unconstrained_posterior"]["full"]
+        (log_weights,) = draws.groups["sample_stats"]["log_weights"]
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"lacks {error}") from None
+    if full.ndim != 2 or log_weights.shape != full.shape[:1]:
+        raise ValueError("holds arrays that don't fit together")
+    return WeightedDraws(model, log_weights, full)

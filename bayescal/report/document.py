@@ -46,7 +46,7 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
     axes = {name: _axis(axis) for name, axis in comparison.axes.items()}
     return {
         "schema": SCHEMA,
-        "provenance": comparison.origin or _provenance(comparison.settings, command),
+        "provenance": comparison.origin or provenance(comparison.settings, command),
         "settings": asdict(comparison.settings),
         "data": _data(comparison),
         "family": comparison.family,
@@ -61,7 +61,8 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
     }
 
 
-def _provenance(settings: Settings, command: str) -> dict[str, Any]:
+def provenance(settings: Settings, command: str) -> dict[str, Any]:
+    """Say how, by what and when a document was made."""
     return {
         **versions(),
         "command": command,

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+import math
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
+from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary
 from bayescal.points.correspondences import Correspondences
+
+if TYPE_CHECKING:  # Gaussian noise samples nothing of the kind
+    from bayescal.inference.sampled_posterior import SampledPosterior
 
 
 def dumps(found: dict[str, Any]) -> str:
@@ -25,3 +31,30 @@ def points_facts(points: Correspondences) -> dict[str, Any]:
         "c_from_bottom": setup.c_from_bottom,
         "assumed": list(setup.assumed),
     }
+
+
+def summary_facts(p: ParameterSummary) -> dict[str, Any]:
+    """Collect what a result document says of a sampled parameter beside its name."""
+    return {
+        "mean": p.mean,
+        "sd": p.sd,
+        "interval": list(p.interval),
+        "interval_probability": INTERVAL_PROBABILITY,
+        "mcse_mean": finite(p.mcse_mean),
+        "ess_bulk": finite(p.ess_bulk),
+        "ess_tail": finite(p.ess_tail),
+        "rhat": finite(p.rhat),
+    }
+
+
+def evidence_facts(posterior: SampledPosterior) -> dict[str, Any]:
+    """Collect what tells whether to trust a sampled evidence."""
+    found = asdict(posterior.estimate)
+    found["warnings"] = list(found["warnings"])
+    shown = {k: finite(v) if isinstance(v, float) else v for k, v in found.items()}
+    return {**shown, "trusted": posterior.estimate.certain, "modes": len(posterior.modes)}
+
+
+def finite(value: float) -> float | None:
+    """Turn a diagnostic that could not be computed into null."""
+    return value if math.isfinite(value) else None

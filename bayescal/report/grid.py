@@ -51,7 +51,7 @@ class Table:
     marked : int or None
         The row to stress.
     by_order : bool
-        Whether rows are orders, so that the marked one is the recommended one.
+        Whether rows are orders or models, so that the marked one is the recommended one.
     spare : tuple of str
         Heads of the columns a terminal leaves out, in this order, where the numbers
         are so wide that not all fit.

@@ -7,7 +7,8 @@ from typing import Any
 
 from bayescal.comparison.defence import Prediction
 from bayescal.comparison.results import AxisComparison, OrderResult
-from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
+from bayescal.inference.posterior import ParameterSummary, Posterior
+from bayescal.report.facts import finite, summary_facts
 from bayescal.report.robust import evidence_document
 
 PREDICTION = (
@@ -94,7 +95,7 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
             "steps": draws,
             "draws": chains * draws,
             "acceptance": chain.acceptance,
-            "autocorrelation_time": _finite(chain.autocorrelation_time),
+            "autocorrelation_time": finite(chain.autocorrelation_time),
             "converged": result.posterior.converged,
             "agrees_with_exact": posterior.agrees_with_exact
             if isinstance(posterior, Posterior)
@@ -106,9 +107,9 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
 def _prediction(found: Prediction | None) -> dict[str, Any]:
     if found is None:
         return dict.fromkeys(PREDICTION)
-    k_max = None if found.pareto_k is None else _finite(float(found.pareto_k.max()))
+    k_max = None if found.pareto_k is None else finite(float(found.pareto_k.max()))
     loo = found.loo
-    values = (loo.elpd, _finite(loo.se), found.difference, _finite(found.difference_se), loo.p_eff)
+    values = (loo.elpd, finite(loo.se), found.difference, finite(found.difference_se), loo.p_eff)
     return dict(
         zip(
             PREDICTION,
@@ -126,23 +127,7 @@ def _prediction(found: Prediction | None) -> dict[str, Any]:
 
 
 def _summary(p: ParameterSummary) -> dict[str, Any]:
-    return {
-        "mean": p.mean,
-        "sd": p.sd,
-        "interval": list(p.interval),
-        "interval_probability": INTERVAL_PROBABILITY,
-        "mcse_mean": _finite(p.mcse_mean),
-        "ess_bulk": _finite(p.ess_bulk),
-        "ess_tail": _finite(p.ess_tail),
-        "rhat": _finite(p.rhat),
-        "exact_mean": p.exact_mean,
-        "exact_sd": p.exact_sd,
-    }
-
-
-def _finite(value: float) -> float | None:
-    """Turn a diagnostic that could not be computed into null."""
-    return value if math.isfinite(value) else None
+    return {**summary_facts(p), "exact_mean": p.exact_mean, "exact_sd": p.exact_sd}
 
 
 def _none_last(value: float | None) -> tuple[bool, float]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from datetime import UTC, datetime
 from importlib.resources import files
 from typing import Any
 
@@ -14,7 +13,7 @@ from rich.text import Text
 from bayescal.comparison.outlier_results import AxisOutliers, OutlierStudy, Treatment
 from bayescal.comparison.outliers import PointRecord
 from bayescal.comparison.verdict import percent
-from bayescal.report.document import versions
+from bayescal.report.document import provenance
 from bayescal.report.facts import points_facts
 from bayescal.report.grid import Cell, Column, Table, number_cell
 from bayescal.report.noise import MARK, floor_words
@@ -207,13 +206,7 @@ def outliers_document(study: OutlierStudy, command: str) -> dict[str, Any]:
     """
     return {
         "schema": SCHEMA,
-        "provenance": study.origin
-        or {
-            **versions(),
-            "command": command,
-            "seed": study.settings.seed,
-            "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        },
+        "provenance": study.origin or provenance(study.settings, command),
         "data": points_facts(study.points),
         "significance": study.significance,
         "settings": _settings(study),

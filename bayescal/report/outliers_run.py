@@ -99,7 +99,7 @@ def open_outliers(folder: str | Path) -> OutlierStudy:
         first = next(iter(axes.values()))
         orders = tuple(int(k) for k in first["treatments"][0]["log_evidence"])
     except (InputError, ValueError) as error:
-        raise InputError(f"{run.folder}: {error} ({run.between()}); {run.again}") from None
+        raise run.unusable(error) from None
     study = find_outliers(
         run.points(), list(axes), orders, settings, noises, rule, lambda _: None, run.sampled
     )

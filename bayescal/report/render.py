@@ -58,9 +58,10 @@ def laid_out(table: Table) -> RenderableType:
     rows = [[cell.text for cell in row] for row in table.rows]
     if table.by_order:
         width = max(len(text) for text in [heads[0], *(row[0] for row in rows)])
-        heads[0] = f"  {heads[0]:>{width}}"
+        side = ">" if all(row[0].isdigit() for row in rows) else "<"
+        heads[0] = f"  {heads[0]:{side}{width}}"
         for number, row in enumerate(rows):
-            row[0] = f"{' >'[number == table.marked]} {row[0]:>{width}}"
+            row[0] = f"{' >'[number == table.marked]} {row[0]:{side}{width}}"
     widths = [max([len(head), *(len(row[i]) for row in rows)]) for i, head in enumerate(heads)]
     kept, dropped = list(range(len(heads))), []
     for head in table.spare:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import platform
 from collections.abc import Iterable
 from datetime import UTC, datetime
@@ -18,7 +17,7 @@ from bayescal.comparison.thesis_results import (
     Reproduction,
     ThesisFit,
 )
-from bayescal.report.facts import points_facts
+from bayescal.report.facts import finite, points_facts
 
 SCHEMA = "bayescal.reproduction/1"
 PACKAGES = ("numpy", "scipy", "matplotlib")
@@ -100,7 +99,7 @@ def _order(result: OrderReproduction) -> dict[str, Any]:
                 {
                     "point": step.point + 1,
                     "residual": step.residual,
-                    "statistic": _finite(step.statistic),
+                    "statistic": finite(step.statistic),
                     "p_value": step.p_value,
                     "level": step.level,
                     "n_points": step.n_points,
@@ -145,8 +144,4 @@ def _after(found: AxisReproduction) -> dict[str, Any]:
 
 
 def _numbers(values: Iterable[float]) -> list[float | None]:
-    return [_finite(float(value)) for value in values]
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    return [finite(float(value)) for value in values]

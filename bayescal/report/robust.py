@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from bayescal.comparison.verdict import percent
 from bayescal.inference.posterior import Posterior
 from bayescal.inference.robust_linear import RobustLinearModel
 from bayescal.models.noise.outlier_mixture import OutlierMixture
+from bayescal.report.facts import evidence_facts
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
 from bayescal.report.noise import MARK
 from bayescal.rounding import significant
@@ -116,15 +116,7 @@ def bad_probabilities(result: OrderResult) -> np.ndarray[Any, np.dtype[np.float6
 def evidence_document(result: OrderResult) -> dict[str, Any] | None:
     """Collect what tells whether to trust a sampled evidence; None for a closed form."""
     posterior = result.posterior
-    if isinstance(posterior, Posterior):
-        return None
-    found = asdict(posterior.estimate)
-    found["warnings"] = list(found["warnings"])
-    finite = {
-        key: None if isinstance(value, float) and not np.isfinite(value) else value
-        for key, value in found.items()
-    }
-    return {**finite, "trusted": posterior.estimate.certain, "modes": len(posterior.modes)}
+    return None if isinstance(posterior, Posterior) else evidence_facts(posterior)
 
 
 def points_document(axis: AxisComparison) -> list[dict[str, Any]] | None:

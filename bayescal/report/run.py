@@ -1,4 +1,4 @@
-"""A run: a folder that holds a comparison, its points and its draws, and can be reopened.
+"""A run: a folder that holds a result, its points and its draws, and can be reopened.
 
 ``result.json``       the result document (what marks a folder as a run)
 ``run.json``          the format's number, who wrote it, the hash of every file below and above
@@ -6,6 +6,9 @@
 ``setup.toml``        what is known of the camera
 ``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
 ``corner-*.png``      pictures, for people only
+
+What the result is, and how it is written and read, is said by `comparison_run`,
+`outliers_run` and `families_run`.
 """
 
 from __future__ import annotations
@@ -17,18 +20,11 @@ from pathlib import Path
 from typing import Any
 
 import bayescal
-from bayescal.analysis import model_name
-from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
-from bayescal.errors import InputError
 from bayescal.files import RESULT, FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import Draws, write_netcdf
-from bayescal.inference.posterior import Posterior
-from bayescal.inference.stored import pack, pack_sampled
 from bayescal.models.linear import AxisData
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.writer import to_csv, to_toml
-from bayescal.report.document import document
-from bayescal.report.facts import dumps
 
 # Rises when an older version could no longer read what a newer one writes.
 FORMAT = 1
@@ -47,61 +43,6 @@ def check_run(folder: Path, *, force: bool) -> None:
         without `force`, or the folder around it does not exist.
     """
     check_folder(folder, RUN, force=force)
-
-
-def save_run(comparison: Comparison, folder: str | Path, *, force: bool = False) -> None:
-    """Write a comparison to a folder that `open_run` reads back.
-
-    Parameters
-    ----------
-    comparison : Comparison
-        Of correspondences.
-    folder : str or Path
-        Where to; an earlier run is left alone unless `force`.
-    force : bool, optional
-
-    Raises
-    ------
-    InputError
-        Where the comparison is of plain arrays.
-    OutputError
-        Where the run can't be written; nothing is left behind.
-    """
-    text = dumps(document(comparison, "bayescal.save_run"))
-    write_run(Path(folder), comparison, text, force=force)
-
-
-def write_run(folder: Path, comparison: Comparison, result_json: str, *, force: bool) -> None:
-    """Write a run, whole or not at all.
-
-    Parameters
-    ----------
-    folder : Path
-    comparison : Comparison
-    result_json : str
-        The result document.
-    force : bool
-        Replace an earlier run.
-
-    Raises
-    ------
-    OutputError
-        Where it can't be written; nothing is left behind.
-    """
-    points = comparison.points
-    if points is None:
-        raise InputError("a run holds world points and pixels; this comparison is of plain arrays")
-    draws = {
-        model_name(axis.data.axis, result.order): _draws(axis, result)
-        for axis in comparison.axes.values()
-        for result in axis.orders
-    }
-
-    def pictures(made: Path) -> None:
-        for name in comparison.axes:
-            _write_corner(made / f"corner-{name}.png", comparison, name)
-
-    fill_run(folder, points, result_json, draws, pictures, force=force)
 
 
 def fill_run(
@@ -165,16 +106,6 @@ def digest(raw: bytes) -> str:
     return hashlib.sha256(raw).hexdigest()
 
 
-def _draws(axis: AxisComparison, result: OrderResult) -> Draws:
-    posterior = result.posterior
-    draws = (
-        pack(posterior.chain, posterior.names)
-        if isinstance(posterior, Posterior)
-        else pack_sampled(posterior)
-    )
-    return described(draws, axis.data, result.order)
-
-
 def described(draws: Draws, data: AxisData, order: int) -> Draws:
     """Add to draws what a reader who knows nothing of bayescal needs: data, axis, units."""
     draws.groups["observed_data"] = {"pixel": data.t, "regressor": data.x}
@@ -188,10 +119,3 @@ def described(draws: Draws, data: AxisData, order: int) -> Draws:
         }
     )
     return draws
-
-
-def _write_corner(path: Path, comparison: Comparison, name: str) -> None:
-    from bayescal.report.figures.registry import KINDS
-    from bayescal.report.figures.style import figure_bytes
-
-    path.write_bytes(figure_bytes(KINDS["corner"].draw(comparison, name), "png", dpi=150))

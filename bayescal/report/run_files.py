@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self
-
-import numpy as np
+from typing import Any, ClassVar, Self, TypeVar
 
 import bayescal
 from bayescal.errors import InputError
 from bayescal.files import RESULT
-from bayescal.inference.arviz_bridge import parse_netcdf
+from bayescal.inference.arviz_bridge import Draws, parse_netcdf
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.stored import unpack_sampled
@@ -22,9 +20,11 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
 from bayescal.points.text import reason
 from bayescal.report.document import versions
-from bayescal.report.families_document import SCHEMA as FAMILIES
 from bayescal.report.run import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
 from bayescal.report.shape import misshapen
+from bayescal.settings import Settings
+
+Kept = TypeVar("Kept")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +35,12 @@ class RunFiles:
     manifest: dict[str, Any]
     document: dict[str, Any]
 
-    # What the document must hold: of all, and of each axis; each kind of run states its own.
+    # What the document must hold: of all, and of each axis (None: it has none); each kind of
+    # run states its own.
     schema: ClassVar[str]
     made_by: ClassVar[str]
     shape: ClassVar[Mapping[str, Any]]
-    axis_shape: ClassVar[Mapping[str, Any]]
+    axis_shape: ClassVar[Mapping[str, Any] | None]
 
     @classmethod
     def at(cls, folder: Path) -> Self:
@@ -50,11 +51,6 @@ class RunFiles:
             )
         found = _json(folder / RESULT)
         schema = found.get("schema")
-        if schema == FAMILIES:
-            raise InputError(
-                f"{folder}: holds a comparison across families, which can't be reopened yet: read "
-                f"its {RESULT} and draws, or name a run made without --family"
-            )
         if schema != cls.schema:
             raise InputError(
                 f"{folder / RESULT}: holds {schema!r} where a run holds {cls.schema!r}; name a "
@@ -121,6 +117,31 @@ class RunFiles:
             )
         return raw
 
+    def settings(self, beside: Container[str] = ()) -> Settings:
+        """Give what was asked for, as the document says; keys `beside` it are left alone.
+
+        Raises
+        ------
+        InputError
+            Where this version does not have a setting, or it is not usable.
+        """
+        stated = {k: v for k, v in self.document["settings"].items() if k not in beside}
+        known = {field.name for field in dataclasses.fields(Settings)}
+        strange = sorted(set(stated) - known)
+        if strange:
+            raise InputError(
+                f"{self.folder}: was made with the setting {strange[0]!r}, which bayescal "
+                f"{bayescal.__version__} does not have ({self.between()}); upgrade bayescal"
+            )
+        try:
+            return Settings(**stated)
+        except InputError as error:
+            raise self.unusable(error) from None
+
+    def unusable(self, error: Exception) -> InputError:
+        """Make the complaint where what was asked for is not usable here."""
+        return InputError(f"{self.folder / RESULT}: {error} ({self.between()}); {self.again}")
+
     def points(self) -> Correspondences:
         """Read the points, which name the source they once came from."""
         for name in (POINTS, SETUP):
@@ -144,14 +165,17 @@ class RunFiles:
         self,
         name: str,
         model: SampledModel,
-        rng: np.random.Generator,  # noqa: ARG002 - nothing is sampled
-        ess: int,  # noqa: ARG002
+        compute: Callable[[], SampledPosterior],  # noqa: ARG002 - nothing is sampled
     ) -> SampledPosterior:
         """Read the draws and the evidence of a model without a closed form."""
+        return self.read_draws(name, lambda draws: unpack_sampled(draws, model))
+
+    def read_draws(self, name: str, unpack: Callable[[Draws], Kept]) -> Kept:
+        """Read the draws of a name, and make of them what they were."""
         place = f"{DRAWS}/{name}.nc"
         raw = self.content(place)
         try:
-            return unpack_sampled(parse_netcdf(raw), model)
+            return unpack(parse_netcdf(raw))
         except ValueError as error:
             raise InputError(f"{self.folder / place}: {error}; {self.again}") from None
 

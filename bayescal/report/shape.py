@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
+
+
+@dataclass(frozen=True)
+class Maybe:
+    """What may be null, and what it must hold where it is not."""
+
+    shape: Any
+
 
 NUMBER = (int, float, type(None))
 COEFFICIENT = {"name": str, "mean": NUMBER, "sd": NUMBER}
@@ -34,7 +43,7 @@ DOCUMENT = {
 def misshapen(
     found: Mapping[str, Any],
     shape: Mapping[str, Any] = DOCUMENT,
-    axis_shape: Mapping[str, Any] = AXIS,
+    axis_shape: Mapping[str, Any] | None = AXIS,
 ) -> str | None:
     """Name the first thing that a result document lacks or has of another kind; None: nothing.
 
@@ -43,10 +52,11 @@ def misshapen(
     found : mapping
         The document.
     shape, axis_shape : mapping, optional
-        What all of it must hold, and each of its axes; of a comparison by default.
+        What all of it must hold, and each of its axes where it has axes; of a comparison by
+        default.
     """
     wrong = _misfit(found, shape, "")
-    if wrong is not None:
+    if wrong is not None or axis_shape is None:
         return wrong
     axes = found["axes"]
     if not axes or not set(axes) <= {"r", "c"}:
@@ -57,6 +67,8 @@ def misshapen(
 
 def _misfit(found: Any, wanted: Any, place: str) -> str | None:
     """Place of the first misfit within a value; None where it fits."""
+    if isinstance(wanted, Maybe):
+        return None if found is None else _misfit(found, wanted.shape, place)
     if isinstance(wanted, Mapping):
         if not isinstance(found, Mapping):
             return place

@@ -66,9 +66,16 @@ def test_it_is_not_asked_for_what_it_is(run, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_the_library_opens_and_saves_it(run, tmp_path):
+    found = bc.open_run(run)
+    bc.save_run(found, tmp_path / "again")
+    for path in run.rglob("*.*"):
+        assert (tmp_path / "again" / path.relative_to(run)).read_bytes() == path.read_bytes()
+    with pytest.raises(InputError, match="is no comparison of orders, which alone is defended"):
+        bc.open_run(run, defend=True)
+
+
 def test_other_readers_refuse_it(run, tmp_path):
-    with pytest.raises(InputError, match="outliers/1"):
-        bc.open_run(run)
     done = here("plot", "verdict", run, "--out", tmp_path / "a.png")
     assert (done.code, done.err.count("\n")) == (2, 1)
 

@@ -8,6 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.quiver import Quiver
+from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
@@ -79,33 +81,79 @@ class Arrows:
 def draw(subject: Subject) -> Figure:
     """Draw an arrow per point from where it is predicted towards where it was measured."""
     found = Arrows.of(subject)
-    pixels = np.column_stack([found.points.pixel(axis) for axis in "rc"])
-    setup = found.points.setup
-    width, height = setup.size("r"), setup.size("c")
-    spans = [
-        size if size is not None else float(np.ptp(pixels[:, i])) or 1.0
-        for i, size in enumerate((width, height))
-    ]
+    points = found.points
+    pixels = np.column_stack([points.pixel(axis) for axis in "rc"])
+    spans = image_spans(points, pixels)
     tall = float(np.clip(0.86 * WIDTH * spans[1] / spans[0], 2.2, 7.0)) + 0.9
     figure = Figure(figsize=(WIDTH, tall), layout="constrained")
     panel = figure.subplots()
-    if width is not None and height is not None:
-        panel.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=GREY, linewidth=0.8))
-    long, longest = float(np.quantile(found.lengths, 0.9)), float(found.lengths.max())
-    px_per_width = max(long / LONG, longest / LONGEST) or 1.0
     out = np.zeros(len(pixels), dtype=bool)
     out[found.named] = True
+    quiver = draw_arrows(panel, points, pixels, found.residuals, out, arrow_scale(found.lengths))
+    key = key_length(found.lengths)
+    panel.quiverkey(quiver, 0.9, 1.03, key, f"{key:g} px", labelpos="W", color=GREY)
+    panel.set_title(found.title, loc="left")
+    settle(figure)
+    names = next(iter(found.parts.values())).names
+    name_points(panel, pixels[:, 0], pixels[:, 1], found.named, names=names)
+    return figure
+
+
+def image_spans(points: Correspondences, pixels: Array) -> tuple[float, float]:
+    """Give width and height of the image, or of what the points cover of it, px."""
+    sizes = [points.setup.size(axis) for axis in "rc"]
+    width, height = (
+        size if size is not None else float(np.ptp(pixels[:, i])) or 1.0
+        for i, size in enumerate(sizes)
+    )
+    return width, height
+
+
+def arrow_scale(lengths: Array) -> float:
+    """Px of residual that an arrow as long as the panel is wide stands for."""
+    return max(float(np.quantile(lengths, 0.9)) / LONG, float(lengths.max()) / LONGEST) or 1.0
+
+
+def key_length(lengths: Array) -> float:
+    """Length of the arrow that explains the others, px: one digit, like a long one."""
+    return float(f"{float(np.quantile(lengths, 0.9)) or 1.0:.0e}")
+
+
+def draw_arrows(
+    panel: Axes,
+    points: Correspondences,
+    pixels: Array,
+    residuals: Array,
+    out: NDArray[np.bool_],
+    scale: float,
+) -> Quiver:
+    """Draw the image's edge, the points and an arrow at each.
+
+    Parameters
+    ----------
+    panel : matplotlib.axes.Axes
+    points : Correspondences
+    pixels, residuals : Array
+        ``(n_points, 2)``, px.
+    out : Array
+        Which stand out, ``(n_points,)``.
+    scale : float
+        As of `arrow_scale`.
+    """
+    width, height = (points.setup.size(axis) for axis in "rc")
+    if width is not None and height is not None:
+        panel.add_patch(Rectangle((0, 0), width, height, fill=False, edgecolor=GREY, linewidth=0.8))
     many = len(pixels) > MANY_POINTS
     panel.plot(*pixels[~out].T, "o", color=BLUE, markersize=2.6, rasterized=many)
     panel.plot(*pixels[out].T, "D", color=VERMILLION, markersize=3)
     # Arrows are drawn in fractions of the panel's width, c upwards or downwards as it is.
-    upwards = 1.0 if setup.c_from_bottom else -1.0
+    upwards = 1.0 if points.setup.c_from_bottom else -1.0
     quiver = panel.quiver(
         *pixels.T,
-        found.residuals[:, 0],
-        upwards * found.residuals[:, 1],
+        residuals[:, 0],
+        upwards * residuals[:, 1],
         color=np.where(out, VERMILLION, BLUE).tolist(),
-        scale=px_per_width,
+        scale=scale,
         scale_units="width",
         angles="uv",
         width=0.0025,
@@ -114,14 +162,8 @@ def draw(subject: Subject) -> Figure:
         minlength=0.5,
         rasterized=many,
     )
-    key = float(f"{long or 1.0:.0e}")
-    panel.quiverkey(quiver, 0.9, 1.03, key, f"{key:g} px", labelpos="W", color=GREY)
     _frame(panel, upwards)
-    panel.set_title(found.title, loc="left")
-    settle(figure)
-    names = next(iter(found.parts.values())).names
-    name_points(panel, pixels[:, 0], pixels[:, 1], found.named, names=names)
-    return figure
+    return quiver
 
 
 def _frame(panel: Axes, upwards: float) -> None:

@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, Generic, Protocol, TypeVar, cast
 
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:  # the command's help lists the kinds without paying for matplotlib
     from matplotlib.figure import Figure
 
+    from bayescal.comparison.families import FamilyComparison
     from bayescal.comparison.results import Comparison
     from bayescal.report.figures.subject import Subject
 
+Drawn = TypeVar("Drawn", contravariant=True)
 
-class FigureModule(Protocol):
+
+class FigureModule(Protocol, Generic[Drawn]):
     """What the module of a kind offers.
 
     Both raise `InputError`, with the reason in words, where there is nothing to draw.
     """
 
-    def draw(self, subject: Subject) -> Figure:
+    def draw(self, subject: Drawn, /) -> Figure:
         """Draw the figure."""
         ...
 
-    def alt_text(self, subject: Subject) -> str:
+    def alt_text(self, subject: Drawn, /) -> str:
         """Say in a sentence or two what is to be seen, with its numbers."""
         ...
 
@@ -92,8 +96,8 @@ class FigureKind:
         return self._module.alt_text(self._subject(comparison, axis, order))
 
     @property
-    def _module(self) -> FigureModule:
-        return cast(FigureModule, import_module(f"bayescal.report.figures.{self.name}"))
+    def _module(self) -> FigureModule[Subject]:
+        return cast("FigureModule[Subject]", _module(self.name))
 
     def _subject(self, comparison: Comparison, axis: str | None, order: int | None) -> Subject:
         from bayescal.report.figures.subject import Subject
@@ -115,6 +119,45 @@ class FigureKind:
         return subject
 
 
+@dataclass(frozen=True)
+class FamilyFigureKind:
+    """One kind of figure of a comparison across families.
+
+    Attributes
+    ----------
+    name, summary : str
+        As of `FigureKind`.
+    """
+
+    name: str
+    summary: str
+
+    def draw(self, found: FamilyComparison) -> Figure:
+        """Draw it.
+
+        Raises
+        ------
+        InputError
+            Where there is nothing to draw; says why.
+        """
+        from bayescal.report.figures.style import styled
+
+        with styled():
+            return self._module.draw(found)
+
+    def alt_text(self, found: FamilyComparison) -> str:
+        """Describe it for those who can't see it."""
+        return self._module.alt_text(found)
+
+    @property
+    def _module(self) -> FigureModule[FamilyComparison]:
+        return cast("FigureModule[FamilyComparison]", _module(self.name))
+
+
+def _module(name: str) -> object:
+    return import_module(f"bayescal.report.figures.{name}")
+
+
 _LIST = (
     FigureKind("verdict", "probability of each order, all axes", False, False),
     FigureKind("joint", "probability of each pair of orders", False, False),
@@ -131,26 +174,39 @@ _LIST = (
     FigureKind("autocorrelation", "autocorrelation of the chains", True, True),
 )
 KINDS: dict[str, FigureKind] = {kind.name: kind for kind in _LIST}
+_FAMILY_LIST = (
+    FamilyFigureKind("models", "families: log evidence of every model of r and c"),
+    FamilyFigureKind("vectors", "families: residuals of the best models over the image"),
+    FamilyFigureKind("position", "families: camera position against the stated one"),
+    FamilyFigureKind("correlation", "families: correlations of the parameters"),
+)
+FAMILY_KINDS: dict[str, FamilyFigureKind] = {kind.name: kind for kind in _FAMILY_LIST}
 
 
 def plot(
-    comparison: Comparison, kind: str, *, axis: str | None = None, order: int | None = None
+    comparison: Comparison | FamilyComparison,
+    kind: str,
+    *,
+    axis: str | None = None,
+    order: int | None = None,
 ) -> Figure:
     """Draw one kind of figure of a comparison.
 
     Parameters
     ----------
-    comparison : Comparison
-        From `compare`, `compare_polynomials`, `fit` or `open_run`.
+    comparison : Comparison or FamilyComparison
+        From `compare`, `compare_polynomials`, `fit`, `compare_families`, `fit_family` or
+        `open_run`.
     kind : str
-        One of ``KINDS``: ``"verdict"``, ``"joint"``, ``"evidence"``, ``"loo"``,
-        ``"bootstrap"``, ``"residuals"``, ``"other"``, ``"image"``, ``"qq"``,
-        ``"curve"``, ``"corner"``, ``"trace"``, ``"autocorrelation"``.
+        Of families one of ``FAMILY_KINDS``: ``"models"``, ``"vectors"``, ``"position"``,
+        ``"correlation"``. Of orders one of ``KINDS``: ``"verdict"``, ``"joint"``,
+        ``"evidence"``, ``"loo"``, ``"bootstrap"``, ``"residuals"``, ``"other"``,
+        ``"image"``, ``"qq"``, ``"curve"``, ``"corner"``, ``"trace"``, ``"autocorrelation"``.
     axis : str, optional
         ``"r"``, ``"c"`` or ``"y"``; may be left out where there is only one, and for
-        a figure of all axes.
+        a figure of all axes. Families have none.
     order : int, optional
-        One of those compared; the recommended one by default.
+        One of those compared; the recommended one by default. Families have none.
 
     Returns
     -------
@@ -162,6 +218,18 @@ def plot(
     InputError
         Where there is no such kind, axis or order, or nothing to draw; says why.
     """
-    if kind not in KINDS:
-        raise InputError(f"{kind!r} is no kind of figure; kinds: {', '.join(KINDS)}")
+    from bayescal.comparison.families import FamilyComparison
+
+    if isinstance(comparison, FamilyComparison):
+        _check_kind(kind, FAMILY_KINDS, "of families")
+        if axis is not None or order is not None:
+            raise InputError(f"{kind} is of r and c together; leave out axis and order")
+        return FAMILY_KINDS[kind].draw(comparison)
+    _check_kind(kind, KINDS, "of orders")
     return KINDS[kind].draw(comparison, axis, order)
+
+
+def _check_kind(kind: str, kinds: Collection[str], what: str) -> None:
+    """Refuse a kind that a comparison does not have."""
+    if kind not in kinds:
+        raise InputError(f"{kind!r} is no kind of figure {what}; kinds: {', '.join(kinds)}")

@@ -5,19 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 import bayescal
+from bayescal.comparison.families import FamilyComparison
 from bayescal.comparison.outlier_results import OutlierStudy
 from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
 from bayescal.report.document import document
+from bayescal.report.families_document import families_document
 from bayescal.report.outliers import outliers_document
-from bayescal.report.page.blocks import Page
+from bayescal.report.page.blocks import Page, Section
 from bayescal.report.page.sections import SECTIONS
 from bayescal.report.page.sections.bad_points import study_section
+from bayescal.report.page.sections.families import families_section
 from bayescal.report.page.sections.provenance import of_documents
 from bayescal.report.page.subject import PageSubject
 from bayescal.report.page.typography import symbol, typeset, visible
@@ -34,6 +38,7 @@ def page_of(
     command: str,
     study: OutlierStudy | None = None,
     progress: Callable[[str], None] | None = None,
+    families: FamilyComparison | None = None,
 ) -> Page:
     """Collect everything that a page shows.
 
@@ -46,12 +51,14 @@ def page_of(
         The bad points of the same data, shown in a section of their own.
     progress : callable, optional
         Called with a section's name before it is made: drawing takes most of the time.
+    families : FamilyComparison, optional
+        Families of models of the same points, shown in a section of their own.
 
     Returns
     -------
     Page
     """
-    subject = PageSubject(comparison, document(comparison, command), study)
+    subject = PageSubject(comparison, document(comparison, command), study, families)
     found = []
     for section in SECTIONS:
         if progress is not None:
@@ -87,11 +94,40 @@ def study_page(study: OutlierStudy, command: str) -> Page:
     Page
     """
     kept = outliers_document(study, command)
+    return _alone("Bad points of a camera calibration", study, study_section(study), outliers=kept)
+
+
+def families_page(found: FamilyComparison, command: str) -> Page:
+    """Collect what a page of families alone shows.
+
+    Parameters
+    ----------
+    found : FamilyComparison
+    command : str
+        How it was asked for, for the provenance.
+
+    Returns
+    -------
+    Page
+    """
+    kept = families_document(found, command)
+    title = "The order, or the model? Families of camera models compared"
+    return _alone(title, found, families_section(found), families=kept)
+
+
+def _alone(
+    title: str,
+    found: OutlierStudy | FamilyComparison,
+    section: Section,
+    **documents: dict[str, Any],
+) -> Page:
+    """Make a page of one section and of where it comes from."""
+    (kept,) = documents.values()
     return Page(
-        title="Bad points of a camera calibration",
-        about=(f"{len(study.points)} points from {study.points.source}.",),
-        warning="" if study.sound else "Not sound: an evidence should not be trusted.",
-        sections=(study_section(study), of_documents({"outliers": kept})),
+        title=title,
+        about=(f"{len(found.points)} points from {found.points.source}.",),
+        warning="" if found.sound else "Not sound: an evidence should not be trusted.",
+        sections=(section, of_documents(documents)),
         made_by=f"bayescal {bayescal.__version__}, {kept['provenance']['created']}",
     )
 

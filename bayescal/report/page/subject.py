@@ -11,6 +11,7 @@ from typing import Any
 from matplotlib.figure import Figure
 from PIL import Image
 
+from bayescal.comparison.families import FamilyComparison
 from bayescal.comparison.outlier_results import OutlierStudy
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.errors import InputError
@@ -35,11 +36,14 @@ class PageSubject:
         The result document that the page embeds.
     study : OutlierStudy or None
         Its bad points, where they were looked for.
+    families : FamilyComparison or None
+        Families of models of the same points, where they were compared.
     """
 
     comparison: Comparison
     document: dict[str, Any]
     study: OutlierStudy | None = None
+    families: FamilyComparison | None = None
 
     @property
     def axes(self) -> tuple[AxisComparison, ...]:

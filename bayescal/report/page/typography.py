@@ -43,7 +43,9 @@ def typeset(text: str) -> str:
 def symbol(name: str) -> str:
     """Write a parameter such as ``alpha_2`` in Greek with a subscript, where it is one."""
     stem, _, index = name.partition("_")
-    if stem.partition(" ")[0] not in _LETTERS or (index and not index.isdigit()):
-        return typeset(name)
     letter, space, rest = stem.partition(" ")
+    if letter not in _LETTERS:
+        return typeset(name)
+    if index and not index.isdigit():  # of an axis
+        return typeset(f"{_LETTERS[letter]} {index}")
     return _LETTERS[letter] + index.translate(_SUBSCRIPTS) + space + rest

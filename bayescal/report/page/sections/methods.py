@@ -39,7 +39,8 @@ def section(subject: PageSubject) -> Section:
     def cite(name: str) -> str:
         return f"[{cited.setdefault(name, len(cited) + 1)}]"
 
-    sentences = [*_models(subject), *_inference(subject, cite), *_checks(subject, cite)]
+    sentences = [*_models(subject), *_inference(subject, cite)]
+    sentences += [*_families(subject), *_checks(subject, cite)]
     blocks: tuple[Block, ...] = (
         Prose(" ".join(sentences), "quote"),
         Listing(tuple(REFERENCES[name] for name in cited), "numbered"),
@@ -114,6 +115,20 @@ def _inference(subject: PageSubject, cite: Cite) -> Iterable[str]:
             "posterior probabilities reach 0.95, and the strength of evidence is in the words of "
             f"Kass & Raftery {cite('kass')}."
         )
+
+
+def _families(subject: PageSubject) -> Iterable[str]:
+    found = subject.families
+    if found is None:
+        return
+    names = list(dict.fromkeys(m.name.family for m in found.models))
+    places = sorted({m.name.position for m in found.models}, reverse=True)
+    yield (
+        f"Beside them, {len(found.models)} models of r and c together were compared on the same "
+        f"pixels (families: {', '.join(names)}; camera position {' or '.join(places)}), families "
+        "equally probable beforehand. Evidences without a closed form were had by importance "
+        "sampling."
+    )
 
 
 def _checks(subject: PageSubject, cite: Cite) -> Iterable[str]:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from bayescal.report.facts import dumps
+from bayescal.report.families_document import families_document
 from bayescal.report.outliers import outliers_document
 from bayescal.report.page.blocks import Block, Embedded, Facts, Prose, Section
 from bayescal.report.page.subject import PageSubject
@@ -17,6 +18,8 @@ def section(subject: PageSubject) -> Section:
     documents = {"result": subject.document}
     if subject.study is not None:
         documents["outliers"] = outliers_document(subject.study, command)
+    if subject.families is not None:
+        documents["families"] = families_document(subject.families, command)
     return of_documents(documents)
 
 

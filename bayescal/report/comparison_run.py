@@ -1,36 +1,71 @@
-"""Reopens a run: the draws are read, what has a closed form is computed again and checked."""
+"""A comparison of orders as a run: written, and reopened without sampling.
+
+The draws are read; what has a closed form is computed again and checked.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 import bayescal
-from bayescal.analysis import analyse_points
+from bayescal.analysis import analyse_points, model_name
 from bayescal.comparison.noise_evidence import NoiseEvidence
-from bayescal.comparison.results import Comparison
+from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.errors import InputError
-from bayescal.files import RESULT
-from bayescal.inference.arviz_bridge import parse_netcdf
+from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, posterior_of
-from bayescal.inference.stored import unpack
+from bayescal.inference.stored import pack, pack_sampled, unpack
 from bayescal.models import separable
 from bayescal.report.agreement import disagreement
 from bayescal.report.document import SCHEMA, document
 from bayescal.report.other_noises import noises_from
-from bayescal.report.run import DRAWS
+from bayescal.report.run import described, fill_run
 from bayescal.report.run_files import RunFiles
 from bayescal.report.shape import AXIS, DOCUMENT
-from bayescal.settings import Settings
 
 
-def open_run(folder: str | Path, *, defend: bool | None = None) -> Comparison:
-    """Read a comparison back from the folder that ``--out`` or `save_run` wrote.
+def write_comparison(
+    folder: Path, comparison: Comparison, result_json: str, *, force: bool
+) -> None:
+    """Write a comparison as a run, whole or not at all.
+
+    Parameters
+    ----------
+    folder : Path
+    comparison : Comparison
+    result_json : str
+        The result document.
+    force : bool
+        Replace an earlier run.
+
+    Raises
+    ------
+    OutputError
+        Where it can't be written; nothing is left behind.
+    """
+    points = comparison.points
+    if points is None:
+        raise InputError("a run holds world points and pixels; this comparison is of plain arrays")
+    draws = {
+        model_name(axis.data.axis, result.order): _draws(axis, result)
+        for axis in comparison.axes.values()
+        for result in axis.orders
+    }
+
+    def pictures(made: Path) -> None:
+        for name in comparison.axes:
+            _write_corner(made / f"corner-{name}.png", comparison, name)
+
+    fill_run(folder, points, result_json, draws, pictures, force=force)
+
+
+def open_comparison(folder: str | Path, *, defend: bool | None = None) -> Comparison:
+    """Read a comparison back from the folder that `write_comparison` wrote.
 
     Nothing is sampled: the draws are read. What follows from points and draws without
     chance is computed again and compared with what the run says.
@@ -52,7 +87,8 @@ def open_run(folder: str | Path, *, defend: bool | None = None) -> Comparison:
         read, is incomplete, was changed, or says other numbers than computed now.
     """
     run = _Run.at(Path(folder))
-    settings = run.settings
+    asked = run.settings()
+    settings = asked
     if defend is not None:
         settings = dataclasses.replace(settings, defend=defend)
     comparison = analyse_points(run.points(), run.orders, settings, None, run)
@@ -60,10 +96,27 @@ def open_run(folder: str | Path, *, defend: bool | None = None) -> Comparison:
     if wrong is not None:
         raise InputError(f"{run.folder}: {wrong}: {run.between()}; {run.again}")
     # With other answers than the run's it is no longer what the run holds.
-    same = settings == run.settings
+    same = settings == asked
     hint = run.document.get("families", {}).get("hint")
     origin = run.document["provenance"] if same else None
     return dataclasses.replace(comparison, origin=origin, hint=hint)
+
+
+def _draws(axis: AxisComparison, result: OrderResult) -> Draws:
+    posterior = result.posterior
+    draws = (
+        pack(posterior.chain, posterior.names)
+        if isinstance(posterior, Posterior)
+        else pack_sampled(posterior)
+    )
+    return described(draws, axis.data, result.order)
+
+
+def _write_corner(path: Path, comparison: Comparison, name: str) -> None:
+    from bayescal.report.figures.registry import KINDS
+    from bayescal.report.figures.style import figure_bytes
+
+    path.write_bytes(figure_bytes(KINDS["corner"].draw(comparison, name), "png", dpi=150))
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,24 +127,6 @@ class _Run(RunFiles):
     made_by = "compare"
     shape = DOCUMENT
     axis_shape = AXIS
-
-    @property
-    def settings(self) -> Settings:
-        """What was asked for."""
-        stated = self.document["settings"]
-        known = {field.name for field in dataclasses.fields(Settings)}
-        strange = sorted(set(stated) - known)
-        if strange:
-            raise InputError(
-                f"{self.folder}: was made with the setting {strange[0]!r}, which bayescal "
-                f"{bayescal.__version__} does not have ({self.between()}); upgrade bayescal"
-            )
-        try:
-            return Settings(**stated)
-        except InputError as error:
-            raise InputError(
-                f"{self.folder / RESULT}: {error} ({self.between()}); {self.again}"
-            ) from None
 
     @property
     def orders(self) -> dict[str, tuple[int, ...]]:
@@ -109,16 +144,10 @@ class _Run(RunFiles):
         self,
         name: str,
         model: LinearModel,
-        rng: np.random.Generator,  # noqa: ARG002 - nothing is sampled
-        ess: int,  # noqa: ARG002
+        compute: Callable[[], Posterior],  # noqa: ARG002 - nothing is sampled
     ) -> Posterior:
         """Read a model's draws (as a `bayescal.analysis.Source`)."""
-        place = f"{DRAWS}/{name}.nc"
-        raw = self.content(place)
-        try:
-            chain = unpack(parse_netcdf(raw), model.names)
-        except ValueError as error:
-            raise InputError(f"{self.folder / place}: {error}; {self.again}") from None
+        chain = self.read_draws(name, lambda draws: unpack(draws, model.names))
         return posterior_of(exact_posterior(model), chain)
 
     def noises(self, axis: str) -> tuple[NoiseEvidence, ...] | None:

@@ -1,0 +1,50 @@
+"""A model judged by weighted draws of an approximation: where nearly every draw is effective."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import softmax
+
+from bayescal.arrays import Array
+from bayescal.inference.sampled_model import SampledModel
+from bayescal.inference.t_mixture import TMixture
+
+
+@dataclass(frozen=True, eq=False)
+class WeightedDraws:
+    """Draws of a proposal, and the posterior's that were picked of them by their weights.
+
+    Attributes
+    ----------
+    model : SampledModel
+    log_weights : Array
+        ln of likelihood times prior over the proposal's density, ``(n_draws,)``.
+    full : Array
+        Completed draws, picked with replacement, ``(n_draws, n_full)``.
+    """
+
+    model: SampledModel
+    log_weights: Array
+    full: Array
+
+
+def weigh(
+    model: SampledModel, proposal: TMixture, rng: np.random.Generator, n: int
+) -> WeightedDraws:
+    """Draw from a proposal, weigh the draws, and pick and complete as many by their weights.
+
+    Parameters
+    ----------
+    model : SampledModel
+    proposal : TMixture
+        Near the posterior, with heavier tails.
+    rng : numpy.random.Generator
+    n : int
+        Number of draws.
+    """
+    theta = proposal.draw(rng, n)
+    log_weights = model.log_prob(theta) - proposal.log_density(theta)
+    picked = theta[rng.choice(n, n, p=softmax(log_weights))]
+    return WeightedDraws(model, log_weights, model.complete(picked, rng))

@@ -1,0 +1,273 @@
+"""Models of r and c as tables: all compared, one model's parameters, their correlation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+
+from threadpoolctl import threadpool_limits
+
+from bayescal.arrays import Array
+from bayescal.comparison.families import PINHOLE, FamilyComparison, JointModel
+from bayescal.comparison.verdict import percent
+from bayescal.comparison.weak import correlation, weak_combinations
+from bayescal.inference.closed_form import ExactPosterior
+from bayescal.inference.posterior import INTERVAL_PROBABILITY
+from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.models import bivariate
+from bayescal.points.setup import AXES
+from bayescal.report.grid import Cell, Column, Table, number_cell
+from bayescal.rounding import rounded, significant
+
+UNITS = {
+    "focal": "px",
+    "centre": "px",
+    "rotation": "deg",
+    "position": "world",
+    "sigma": "px",
+    "alpha": "px",
+    "beta": "px",
+    "tau": "of image",
+}
+# The most probable models, and the best of every family and position.
+LISTED = 12
+EXACT = 1e-5  # nat: an error below it is of rounding
+
+
+def unit_of(name: str) -> str:
+    """Say the unit of a parameter; nothing where it has none."""
+    return UNITS.get(name.split("_")[0], "")
+
+
+def listed(found: FamilyComparison) -> list[int]:
+    """Say which models a short table shows: the first, and the best of each kind."""
+    seen: set[tuple[str, str]] = set()
+    out = []
+    for i, model in enumerate(found.models):
+        kind = model.name.family, model.name.position
+        if i < LISTED or kind not in seen:
+            out.append(i)
+        seen.add(kind)
+    return out
+
+
+def header_lines(found: FamilyComparison) -> list[str]:
+    """Points and camera, a line each."""
+    x, y, z = found.points.setup.position
+    return [
+        f"{len(found.points)} points from {found.points.source}, r and c jointly; camera stated at "
+        f"({x:g}, {y:g}, {z:g})"
+    ]
+
+
+def assumed_lines(found: FamilyComparison) -> list[tuple[str, str]]:
+    """Noise and priors, named."""
+    pairs = [("noise", f"sigma of r {found.noise[0]}; sigma of c {found.noise[1]}")]
+    pairs += [("prior", line) for line in found.priors]
+    if any(m.name.family == PINHOLE for m in found.models):
+        pairs.append(("distortion", f"radial, in {found.request.radial} powers of the radius"))
+    return pairs
+
+
+def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
+    """One row for each model listed, the most probable first."""
+    best = found.best
+    lowest_bic, lowest_aic = (min(getattr(m, k) for m in found.models) for k in ("bic", "aic"))
+    columns = (
+        Column("family"),
+        Column("order", "of r and of c in the separable family; radial coefficients of a pinhole"),
+        Column("position", "of the camera: exact as stated, or free to be inferred"),
+        Column("K", "coefficients, inferred sigmas and a free position"),
+        Column("dAIC", "Akaike's criterion less the smallest"),
+        Column("dBIC", "Schwarz's criterion less the smallest; n counts points"),
+        Column("ln Z", "natural logarithm of the evidence; !: not to be trusted"),
+        Column("+-", "its Monte Carlo error, nat; exact where it has a closed form", "± ln Z"),
+        Column("elpd", "leave-one-out, r and c of a point together; ?: not to be trusted"),
+        Column("+-", "its standard error", "± elpd"),
+        Column("d elpd", "less the most probable model's, with the paired error", "Δ elpd"),
+        Column("prob.", "posterior probability of the model", "probability"),
+    )
+    cells = []
+    for i in rows:
+        m = found.models[i]
+        flag = "" if m.sound else "!"
+        doubt = "" if m.elpd_reliable else "?"
+        cells.append(
+            (
+                Cell(m.name.family),
+                Cell(m.name.order, float(m.name.orders[0])),
+                Cell(m.name.position),
+                Cell(str(m.n_parameters), m.n_parameters),
+                Cell(f"{m.aic - lowest_aic:.1f}", m.aic),
+                Cell(f"{m.bic - lowest_bic:.1f}", m.bic),
+                Cell(f"{m.log_evidence:.2f}{flag}", m.log_evidence),
+                Cell(error_words(m.log_evidence_error), m.log_evidence_error),
+                Cell("" if m.elpd is None else f"{m.elpd:.1f}{doubt}", m.elpd),
+                number_cell(m.elpd_se, lambda v: f"{v:.1f}"),
+                _difference(m, best),
+                Cell(percent(found.probabilities[i]), found.probabilities[i]),
+            )
+        )
+    return Table(columns, tuple(cells), 0, True, ("dAIC", "K"))
+
+
+def error_words(error: float) -> str:
+    """Error of a log evidence, to the digit that counts."""
+    return "exact" if error < EXACT else significant(error, 1)
+
+
+def _difference(model: JointModel, best: JointModel) -> Cell:
+    if model is best or model.elpd_pointwise is None or best.elpd_pointwise is None:
+        return Cell("")
+    difference = model.elpd_pointwise - best.elpd_pointwise
+    se = len(difference) ** 0.5 * float(difference.std(ddof=1))
+    total = float(difference.sum())
+    return Cell(f"{total:+.1f} ({se:.1f})", total)
+
+
+@dataclass(frozen=True)
+class ExactParameter:
+    """A parameter of which the closed form knows all.
+
+    Attributes
+    ----------
+    axis : str
+    name : str
+        As of the sampled models: ``alpha_1``, ``sigma_r``.
+    mean, sd : float
+    interval : tuple of float
+        Central, of probability 0.95.
+    """
+
+    axis: str
+    name: str
+    mean: float
+    sd: float
+    interval: tuple[float, float]
+
+
+def exact_parameters(model: JointModel) -> list[ExactParameter]:
+    """Coefficients and noise of both axes; nothing where there is no closed form."""
+    pairs = zip(AXES, model.exact, strict=False)
+    return [p for axis, posterior in pairs for p in _of_axis(axis, posterior)]
+
+
+@lru_cache(maxsize=64)  # pairs of orders share their axes, and intervals take a while
+def _of_axis(axis: str, posterior: ExactPosterior) -> tuple[ExactParameter, ...]:
+    out = []
+    numbers = zip(*posterior.summary, posterior.intervals(INTERVAL_PROBABILITY), strict=True)
+    for name, (mean, sd, (low, high)) in zip(posterior.model.names, numbers, strict=True):
+        own = name.split("_")[0] == posterior.model.symbol
+        named, interval = name if own else f"{name}_{axis}", (float(low), float(high))
+        out.append(ExactParameter(axis, named, float(mean), float(sd), interval))
+    return tuple(out)
+
+
+def parameters_table(model: JointModel) -> Table:
+    """Parameters of a model that was sampled, or that has a closed form."""
+    heads = [Column("unit"), Column("mean"), Column("sd"), Column("95% interval", "central")]
+    if model.posterior is None:
+        exact = exact_parameters(model)
+        rows = [_summary_cells(p.name, p.mean, p.sd, p.interval) for p in exact]
+        return Table((Column(f"{model.name} (exact)", title="parameter"), *heads), tuple(rows))
+    heads += [
+        Column("MCSE", "Monte Carlo standard error of the mean"),
+        Column("ESS", "the smaller of bulk and tail effective sample size"),
+        Column("R-hat", "rank-normalised and split, over independent ensembles"),
+    ]
+    cells = []
+    for p in model.posterior.parameters:
+        ess = min(p.ess_bulk, p.ess_tail)
+        cells.append(
+            (
+                *_summary_cells(p.name, p.mean, p.sd, p.interval),
+                Cell(significant(p.mcse_mean, 1), p.mcse_mean),
+                Cell(f"{ess:.0f}", ess),
+                Cell(f"{p.rhat:.3f}", p.rhat),
+            )
+        )
+    head = Column(str(model.name), title="parameter")
+    return Table((head, *heads), tuple(cells), spare=("MCSE",))
+
+
+def _summary_cells(
+    name: str, mean: float, sd: float, interval: tuple[float, float]
+) -> tuple[Cell, ...]:
+    low, high = interval
+    return (
+        Cell(name),
+        Cell(unit_of(name)),
+        Cell(rounded(mean, sd), mean),
+        Cell(significant(sd), sd),
+        Cell(f"{rounded(low, sd)} to {rounded(high, sd)}", high - low),
+    )
+
+
+def power_words(model: JointModel) -> list[str]:
+    """Say which power of a coefficient's name is whose, where it has two."""
+    if model.name.family != bivariate.NAME:
+        return []
+    return ["first power: of x/z in r (alpha), of y/z in c (beta); second: of the other."]
+
+
+def correlations(posterior: SampledPosterior) -> Array:
+    """Correlation matrix of a sampled model's parameters, the same on any number of cores."""
+    with threadpool_limits(1):
+        return correlation(posterior.chain.draws.reshape(-1, len(posterior.names)))
+
+
+def correlation_table(posterior: SampledPosterior) -> Table:
+    """Lower half of the correlation matrix."""
+    matrix = correlations(posterior)
+    numbers = [str(i + 1) for i in range(len(matrix))]
+    rows = [
+        (
+            Cell(f"{i + 1} {name}"),
+            *(Cell(f"{value:.2f}", value) for value in matrix[i, : i + 1].tolist()),
+            *(Cell("") for _ in range(len(matrix) - i - 1)),
+        )
+        for i, name in enumerate(posterior.names)
+    ]
+    columns = (Column("correlation"), *map(Column, numbers))
+    return Table(columns, tuple(rows), spare=tuple(numbers[::-1]))
+
+
+def weak_lines(posterior: SampledPosterior) -> list[str]:
+    """Name what moves together, a sentence for each combination."""
+    out = []
+    for names, shares in weak_combinations(posterior.names, correlations(posterior)):
+        parts = ", ".join(f"{n} ({s:+.2f})" for n, s in zip(names, shares, strict=True))
+        out.append(f"weakly identified together: {parts} move as one.")
+    return out
+
+
+def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> list[str]:
+    """Say what the table of models does not, and where the `rest` of the models is."""
+    shown = [found.models[i] for i in rows]
+    notes = []
+    if not all(m.sound for m in shown):
+        notes.append("! marks an evidence that should not be trusted; the caveats say why.")
+    if not all(m.elpd_reliable for m in shown):
+        notes.append(
+            "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
+            "0.7, or 0.64 of 600 draws): neither it nor its differences should be trusted."
+        )
+    left = len(found.models) - len(shown)
+    if left:
+        notes.append(f"{left} less probable models are not shown ({rest}).")
+    return [*notes, *found.notes]
+
+
+def sampling_words(found: FamilyComparison) -> str:
+    """Say how the sampling of all models went; empty where none was sampled."""
+    sampled = [m.posterior for m in found.models if m.posterior is not None]
+    if not sampled:
+        return ""
+    parameters = [p for s in sampled for p in s.parameters]
+    return (
+        f"emcee, {len(sampled)} model{'s' * (len(sampled) > 1)}, seed {found.settings.seed}: "
+        f"acceptance at least {min(s.chain.acceptance for s in sampled):.2f}, ESS at least "
+        f"{min(min(p.ess_bulk, p.ess_tail) for p in parameters):.0f}, R-hat at most "
+        f"{max(p.rhat for p in parameters):.3f}."
+    )
