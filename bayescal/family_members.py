@@ -32,11 +32,11 @@ from bayescal.family_models import (
 )
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import ExactPosterior, exact_posterior
-from bayescal.inference.estimate import from_weights
+from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.pinhole import PinholeModel
-from bayescal.inference.pinhole_proposal import ladder
+from bayescal.inference.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.position_search import position_mode
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.inference.weighting import WeightedDraws, weigh
@@ -47,6 +47,9 @@ from bayescal.sources import DrawsSource
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
 POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
+# Draws of the evidence without a point that leave-one-out from the draws fails for, and the
+# most such points that are worth it.
+REFIT_DRAWS, MOST_REFITS = 4000, 20
 Progress = Callable[[str, int], None]
 Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
 
@@ -148,16 +151,32 @@ class _Found:
     posterior: SampledPosterior | None
     doubts: tuple[str, ...] = ()
     weighted: WeightedDraws | None = None
+    refitted: tuple[int, ...] = ()
 
 
-def _from_posterior(posterior: SampledPosterior) -> _Found:
-    """Evidence and leave-one-out of a sampled model, the latter from 4000 draws at most."""
+def _from_posterior(
+    posterior: SampledPosterior, without: Callable[[int], EvidenceEstimate] | None = None
+) -> _Found:
+    """Evidence and leave-one-out of a sampled model, the latter from 4000 draws at most.
+
+    Where a point's weights have too heavy a tail, its term comes from the evidence `without`
+    it, if that is to be had: ln p(t_i | the others) = ln Z - ln Z_-i.
+    """
     full = posterior.full.reshape(-1, posterior.full.shape[2])
     step = max(1, len(full) // 4000)
     kept = full[::step]
     pointwise, _, shape = psis_loo(posterior.model.log_likelihood(kept).T)
     value, error, limit = posterior.log_evidence, posterior.log_evidence_error, good_k(len(kept))
-    return _Found(value, error, pointwise, float(shape.max()), limit, posterior)
+    heavy = [int(i) for i in np.flatnonzero(~(shape < limit))]
+    refitted = []
+    if without is not None and len(heavy) <= MOST_REFITS:
+        for i in heavy:
+            rest = without(i)
+            if rest.certain:
+                pointwise[i], shape[i] = value - rest.log_evidence, rest.pareto_k
+                refitted.append(i)
+    largest = float(shape.max())
+    return _Found(value, error, pointwise, largest, limit, posterior, refitted=tuple(refitted))
 
 
 def _from_weights(model: FreePositionModel, draws: WeightedDraws) -> _Found:
@@ -188,6 +207,7 @@ def _joint(
         found.doubts,
         found.k_limit,
         weighted=found.weighted,
+        refitted=found.refitted,
     )
 
 
@@ -211,7 +231,7 @@ def pinhole_members(
         theta = model.geometry.full(model.fit.free[None])
         position_found = frozen(model.geometry.position(theta)[0])
         likelihood = model.fit.log_likelihood
-        found = _from_posterior(posterior)
+        found = _from_posterior(posterior, _without(model, settings, name))
         out.append(_joint(name, count, likelihood, len(points), found, position_found))
     return out
 
@@ -224,7 +244,21 @@ def _sample_pinhole(model: PinholeModel, rng: np.random.Generator, ess: int) -> 
     return sample_model(model, rng, ess, guess)
 
 
-def _rng(settings: Settings, name: ModelName) -> np.random.Generator:
+def _without(
+    model: PinholeModel, settings: Settings, name: ModelName
+) -> Callable[[int], EvidenceEstimate] | None:
+    """How to have the evidence without a point, where that takes no sampling."""
+    if not model.gaussian:
+        return None
+
+    def evidence(point: int) -> EvidenceEstimate:
+        rng = _rng(settings, name, point + 1)
+        return weighted_evidence(model.without(point), rng, REFIT_DRAWS)
+
+    return evidence
+
+
+def _rng(settings: Settings, name: ModelName, *further: int) -> np.random.Generator:
     """Random numbers of one model, keyed by its name, so that no other changes them."""
-    key = (2 + FAMILIES.index(name.family), int(name.position == FREE), *name.orders)
+    key = (2 + FAMILIES.index(name.family), int(name.position == FREE), *name.orders, *further)
     return np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=key))

@@ -22,11 +22,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.inference.estimate import from_weights
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_fit import JointData, fit_pinhole
-from bayescal.inference.pinhole_proposal import ladder
+from bayescal.inference.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.models.camera_prior import PinholePrior, pinhole_prior
 from bayescal.models.noise.level import NoiseLevel
@@ -199,7 +198,7 @@ def orders(sets: int) -> Iterator[str]:
     for order in ORDERS:
         for seed in range(sets):
             points, _, _ = simulated(order, 1000 + seed)
-            logs = np.array([_log_evidence(model_of(points, k), seed) for k in ORDERS])
+            logs = np.array([_log_evidence(points, k, seed) for k in ORDERS])
             chance = softmax(logs)
             right += int(np.argmax(chance) == order)
             given += chance.tolist()
@@ -225,10 +224,9 @@ def orders(sets: int) -> Iterator[str]:
             )
 
 
-def _log_evidence(model: PinholeModel, seed: int) -> float:
-    proposal = mixture_about(*ladder(model))
-    theta = proposal.draw(np.random.default_rng(seed), 2000)
-    return from_weights(model.log_prob(theta) - proposal.log_density(theta)).log_evidence
+def _log_evidence(points: Correspondences, order: int, seed: int) -> float:
+    rng = np.random.default_rng(seed)
+    return weighted_evidence(model_of(points, order), rng, 2000).log_evidence
 
 
 PARTS: dict[str, tuple[str, Callable[[int], Iterator[str]]]] = {
