@@ -1,6 +1,6 @@
-"""Effective samples a second of a pinhole's posterior over those of other samplers.
+"""Effective samples a second of a pinhole's posterior, over those of other samplers.
 
-All sample the pinhole's default priors and print the slowest reported parameter's; fit,
+Seconds are of processor time; the effective samples are those of the slowest parameter; fit,
 adaptation, burn-in, compilation and warm-up are counted. The peers:
 
 NUTS        NumPyro's, on the same density (sigmas and tau integrated out) and in the same
@@ -55,9 +55,9 @@ CASES = (
 
 def ours(points: bc.Correspondences, order: int) -> tuple[float, str]:
     """Effective samples a second as the program has them, and how the chain did."""
-    start = time.perf_counter()
+    start = time.process_time()
     found = sampled(build(points, order), 0, ESS).chain
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     size = min(d.ess_bulk for d in found.diagnostics)
     per_draw = size / found.draws[:, :, 0].size
     worst = max(d.rhat for d in found.diagnostics)
@@ -76,13 +76,13 @@ def nuts(model: PinholeModel) -> tuple[float, str]:
     if not np.allclose(theirs, model.log_prob(start), rtol=0, atol=1e-8):
         raise RuntimeError("the density for JAX is not ours")
     jax.clear_caches()
-    begin = time.perf_counter()
+    begin = time.process_time()
     kernel = NUTS(potential_fn=lambda u: -density(u))
     options: dict[str, Any] = {"chain_method": "vectorized", "progress_bar": False}
     mcmc = MCMC(kernel, num_warmup=WARM_UP, num_samples=DRAWS, num_chains=CHAINS, **options)
     mcmc.run(jax.random.PRNGKey(0), init_params=start)
     draws = np.asarray(mcmc.get_samples(group_by_chain=True))
-    seconds = time.perf_counter() - begin
+    seconds = time.process_time() - begin
     theta = draws.reshape(-1, model.dimension)
     reported = model.report(model.complete(theta, np.random.default_rng(0)))
     chains = reported.reshape(CHAINS, DRAWS, -1)
@@ -186,21 +186,21 @@ def plain(model: PinholeModel) -> tuple[Callable[[Array], Array], Array]:
 def stretch(log_prob: Callable[[Array], Array], start: Array) -> tuple[float, str]:
     """Effective samples a second of emcee's stretch move, of the slowest coordinate."""
     walkers, dimension = start.shape
-    begin = time.perf_counter()
+    begin = time.process_time()
     sampler = emcee.EnsembleSampler(walkers, dimension, log_prob, vectorize=True)
     state = sampler.run_mcmc(start, STEPS // 5)
     sampler.reset()
     sampler.run_mcmc(state, STEPS)
     slowest = float(sampler.get_autocorr_time(quiet=True).max())
-    seconds = time.perf_counter() - begin
+    seconds = time.process_time() - begin
     return STEPS * walkers / slowest / seconds, f"tau {slowest:.0f}"
 
 
 def rows() -> Iterator[str]:
     """Measure every case, a row of Markdown for each."""
     yield from (
-        f"`scripts/benchmark samplers`: effective samples a second, {ESS} of ours or more, one "
-        "run each; in brackets ours over the peer's.",
+        f"`scripts/benchmark samplers`: effective samples a second of processor time, {ESS} of "
+        "ours or more, one run each; in brackets ours over the peer's.",
         "",
         "| pinhole | acceptance | ESS a draw | R-hat | ours | NUTS | stretch | stretch 512 |",
         "|" + "---|" * 8,
