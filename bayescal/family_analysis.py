@@ -20,11 +20,12 @@ from bayescal.comparison.families import (
     model_probabilities,
 )
 from bayescal.errors import InputError
-from bayescal.family_members import Progress, Wanted, free_members, pinhole_members, stated_members
+from bayescal.family_members import Progress, free_members, pinhole_members, stated_members
 from bayescal.family_models import (
     FAMILIES,
     LINEAR,
     Axis,
+    Wanted,
     linear_axes,
     noise_levels,
 )
@@ -90,7 +91,8 @@ def compare_joint(
                 else:
                     found += free_members(family, axes[family], wanted, points, settings, source)
     chances = model_probabilities(found)
-    order = sorted(range(len(found)), key=lambda i: -chances[i])
+    # Probabilities too small for a double are zero, and still have an order.
+    order = sorted(range(len(found)), key=lambda i: (-chances[i], -found[i].log_evidence))
     models = tuple(found[i] for i in order)
     sorted_chances = tuple(chances[i] for i in order)
     verdict = judge_families(models, sorted_chances, _caveats(points, models, sorted_chances))

@@ -21,22 +21,25 @@ from bayescal.comparison.families import (
 )
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
 from bayescal.comparison.psis import good_k
-from bayescal.errors import InputError
 from bayescal.family_models import (
     FAMILIES,
     Axis,
     NoiseLevels,
+    Wanted,
+    check_free,
     criteria_of,
     free_model,
     joint_data,
+    orders_of,
     pinhole_model,
 )
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import ExactPosterior, exact_posterior
+from bayescal.inference.estimate import EvidenceEstimate
 from bayescal.inference.estimate import from_weights as evidence_of
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.pinhole import PinholeModel
-from bayescal.inference.pinhole_proposal import ladder
+from bayescal.inference.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.position_search import position_mode
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
@@ -52,8 +55,10 @@ POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
 # of a point left out would be made.
 HEAVIEST = 0.02
 LOO_DRAWS = 4000  # of a sampled model, at most twice as many
+# Draws of the evidence without a point that leave-one-out from the draws fails for, and the
+# most such points that are worth it.
+REFIT_DRAWS, MOST_REFITS = 4000, 20
 Progress = Callable[[str, int], None]
-Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
 
 
 def stated_members(
@@ -135,27 +140,6 @@ def free_members(
     return out
 
 
-def orders_of(orders: Wanted, axis: int) -> list[int]:
-    """Orders wanted of an axis: 0 is r, 1 is c."""
-    return sorted({(k, m)[axis] for _, k, m in orders})
-
-
-def check_free(axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences) -> None:
-    """Refuse orders that the points can't determine, and errors of world coordinates.
-
-    Raises
-    ------
-    InputError
-    """
-    for i, axis in enumerate(axes):
-        axis.data.check(max(orders_of(orders, i)))
-        if axis.data.x_sd is not None and axis.data.x_sd.any():
-            raise InputError(
-                f"{points.source}: errors of the world coordinates with a free camera position "
-                "are not available; drop sigma_x, sigma_y, sigma_z or --position free"
-            )
-
-
 @dataclass(frozen=True, eq=False)
 class Found:
     """What draws say of a model."""
@@ -168,6 +152,7 @@ class Found:
     posterior: SampledPosterior | None
     doubts: tuple[str, ...] = ()
     weighted: WeightedDraws | None = None
+    refitted: tuple[int, ...] = ()
 
 
 def shortened(posterior: SampledPosterior) -> Array:
@@ -176,12 +161,27 @@ def shortened(posterior: SampledPosterior) -> Array:
     return full[:: max(1, len(full) // LOO_DRAWS)]
 
 
-def from_posterior(posterior: SampledPosterior) -> Found:
-    """Evidence and leave-one-out of a sampled model, the latter from 4000 draws at most."""
+def from_posterior(
+    posterior: SampledPosterior, without: Callable[[int], EvidenceEstimate] | None = None
+) -> Found:
+    """Evidence and leave-one-out of a sampled model.
+
+    Where a point's weights have too heavy a tail, its term comes from the evidence `without`
+    it, if that is to be had: ln p(t_i | the others) = ln Z - ln Z_-i.
+    """
     kept = shortened(posterior)
     pointwise, _, shape = psis_loo(posterior.model.log_likelihood(kept).T)
     value, error, limit = posterior.log_evidence, posterior.log_evidence_error, good_k(len(kept))
-    return Found(value, error, finite(pointwise), float(shape.max()), limit, posterior)
+    heavy = [int(i) for i in np.flatnonzero(~(shape < limit))]
+    refitted = []
+    if without is not None and len(heavy) <= MOST_REFITS:
+        for i in heavy:
+            rest = without(i)
+            if rest.certain:
+                pointwise[i], shape[i] = value - rest.log_evidence, rest.pareto_k
+                refitted.append(i)
+    told, largest = finite(pointwise), float(shape.max())
+    return Found(value, error, told, largest, limit, posterior, refitted=tuple(refitted))
 
 
 def from_weights(model: SampledModel, draws: WeightedDraws) -> Found:
@@ -220,6 +220,7 @@ def judged_model(
         found.doubts,
         found.k_limit,
         weighted=found.weighted,
+        refitted=found.refitted,
     )
 
 
@@ -243,7 +244,7 @@ def pinhole_members(
         theta = model.geometry.full(model.fit.free[None])
         position_found = frozen(model.geometry.position(theta)[0])
         likelihood = model.fit.log_likelihood if model.gaussian else None
-        found = from_posterior(posterior)
+        found = from_posterior(posterior, _without(model, settings, name))
         out.append(judged_model(name, count, likelihood, len(points), found, position_found))
     return out
 
@@ -256,6 +257,20 @@ def _sample_pinhole(model: PinholeModel, rng: np.random.Generator, ess: int) -> 
     return sample_model(model, rng, ess, guess)
 
 
+def _without(
+    model: PinholeModel, settings: Settings, name: ModelName
+) -> Callable[[int], EvidenceEstimate] | None:
+    """How to have the evidence without a point, where that takes no sampling."""
+    if not model.gaussian:
+        return None
+
+    def evidence(point: int) -> EvidenceEstimate:
+        rng = _rng(settings, name, point + 1)
+        return weighted_evidence(model.without(point), rng, REFIT_DRAWS)
+
+    return evidence
+
+
 def random_numbers(settings: Settings, family: str, key: tuple[int, ...]) -> np.random.Generator:
     """Random numbers of one model of a family, by a key of its own: no other changes them.
 
@@ -265,5 +280,6 @@ def random_numbers(settings: Settings, family: str, key: tuple[int, ...]) -> np.
     return np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=whole))
 
 
-def _rng(settings: Settings, name: ModelName) -> np.random.Generator:
-    return random_numbers(settings, name.family, (int(name.position == FREE), *name.orders))
+def _rng(settings: Settings, name: ModelName, *further: int) -> np.random.Generator:
+    key = (int(name.position == FREE), *name.orders, *further)
+    return random_numbers(settings, name.family, key)

@@ -29,6 +29,7 @@ from bayescal.points.setup import AXES
 from bayescal.settings import Settings, noise_level, prior_rule
 
 LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
+Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
 FAMILIES = (*LINEAR, PINHOLE)
 
 
@@ -119,6 +120,27 @@ def joint_data(axes: tuple[Axis, Axis]) -> JointData:
     """Pixels of both axes with their noise levels."""
     r, c = axes
     return JointData(np.stack([r.data.t, c.data.t]), (r.data.sd, c.data.sd), (r.noise, c.noise))
+
+
+def orders_of(orders: Wanted, axis: int) -> list[int]:
+    """Orders wanted of an axis: 0 is r, 1 is c."""
+    return sorted({(k, m)[axis] for _, k, m in orders})
+
+
+def check_free(axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences) -> None:
+    """Refuse orders that the points can't determine, and errors of world coordinates.
+
+    Raises
+    ------
+    InputError
+    """
+    for i, axis in enumerate(axes):
+        axis.data.check(max(orders_of(orders, i)))
+        if axis.data.x_sd is not None and axis.data.x_sd.any():
+            raise InputError(
+                f"{points.source}: errors of the world coordinates with a free camera position "
+                "are not available; drop sigma_x, sigma_y, sigma_z or --position free"
+            )
 
 
 def criteria_of(log_likelihood: float, k: int, n: int) -> tuple[float, float]:

@@ -20,17 +20,14 @@ from bayescal.comparison.psis import good_k
 from bayescal.errors import InputError
 from bayescal.family_members import (
     Found,
-    Wanted,
-    check_free,
     finite,
     from_posterior,
     from_weights,
     judged_model,
-    orders_of,
     random_numbers,
     shortened,
 )
-from bayescal.family_models import Axis, moving_axes
+from bayescal.family_models import Axis, Wanted, check_free, moving_axes, orders_of
 from bayescal.inference.adaptation import adapt, effective_fraction
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.optimum import Mode, find_modes

@@ -112,7 +112,8 @@ class JointModel:
     elpd_pointwise : Array or None
         ``(n_points,)``.
     pareto_k : float or None
-        Largest, where leave-one-out comes from draws.
+        Largest, where leave-one-out comes from draws; of the evidence's weights at points
+        that were refitted.
     position : Array
         Camera position of highest likelihood, of a linear family under robust noise of highest
         posterior density, ``(3,)``, world units.
@@ -127,6 +128,9 @@ class JointModel:
         Of r and of c, at the stated position of a linear family; empty elsewhere.
     weighted : WeightedDraws or None
         Of a model that has no closed form and was not sampled.
+    refitted : tuple of int
+        Points whose leave-one-out comes from the evidence without them, as their weights
+        have too heavy a tail.
     """
 
     name: ModelName
@@ -146,6 +150,7 @@ class JointModel:
     k_limit: float | None = None
     exact: tuple[ExactPosterior, ...] = ()
     weighted: WeightedDraws | None = None
+    refitted: tuple[int, ...] = ()
 
     @property
     def sound(self) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -68,6 +68,18 @@ class PinholeModel:
         tau = prior.tau if prior.tau is not None else FRAME_TAU
         frame = laplace(geometry, prior, data, fit.free, tau)
         return cls(geometry, prior, data, fit, frame, noise if noise is not None else Gaussian())
+
+    def without(self, point: int) -> PinholeModel:
+        """Give the same model of the other points, its priors kept."""
+        geometry, data = self.geometry, self.data
+        theta = geometry.full(self.fit.free[None])
+        rest = replace(geometry, world=np.delete(geometry.world, point, axis=0))
+        # The anchor belongs to the points' centroid, which moves.
+        free = rest.free(rest.to_anchor(theta, geometry.position(theta)))[0]
+        sd = tuple(None if s is None else np.delete(s, point) for s in data.sd)
+        others = JointData(np.delete(data.pixels, point, axis=1), (sd[0], sd[1]), data.levels)
+        fit = replace(self.fit, free=free)
+        return PinholeModel.of(rest, self.prior, others, fit, self.noise)
 
     def free(self, theta: Array) -> Array:
         """Free coordinates of sampled (or completed) ones, ``(n_draws, geometry.dimension)``."""

