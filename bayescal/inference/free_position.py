@@ -8,139 +8,16 @@ is stated in px at the edges of the domain, means the same wherever the camera i
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.evidence import (
-    LOG_2PI,
-    Projection,
-    Reduced,
-    log_evidences,
-    log_joint,
-    tau_rule,
-)
-from bayescal.inference.quadrature import Accuracy
+from bayescal.inference.moving_axis import MovingAxis
 from bayescal.models.camera_prior import PositionPrior
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.priors import CoefficientPrior
-from bayescal.models.strength import Strength
 
 CHUNK = 4_000_000  # numbers held at once
-GIBBS = 2  # sweeps that make the quadrature's discrete sigma and tau continuous
-# A few thousandths of a nat, tens of thousands of times.
-QUICK = Accuracy(resolve=8.0, drop=11.0, panel_nodes=9, tau_nodes=17, panels=10)
-
-
-@dataclass(frozen=True, eq=False)
-class MovingAxis:
-    """One axis of a linear family as a function of the camera position.
-
-    Attributes
-    ----------
-    data : AxisData
-        At the stated position; its basis stays.
-    world : Array
-        World points, ``(n_points, 3)``, world units.
-    column : int
-        Coordinate of the axis's own regressor: 0 for r, 1 for c.
-    order : int
-    noise : NoiseLevel
-    prior : CoefficientPrior
-    """
-
-    data: AxisData
-    world: Array
-    column: int
-    order: int
-    noise: NoiseLevel
-    prior: CoefficientPrior
-
-    @property
-    def size(self) -> int:
-        """Number of coefficients."""
-        return self.data.columns(self.order)
-
-    def design(self, position: Array) -> Array:
-        """Design matrices at positions ``(m, 3)``, ``(m, n_points, size)``."""
-        away = self.world - position[:, None, :]
-        depth = away[:, :, 2]
-        x = away[:, :, self.column] / depth
-        other = None if self.data.other is None else (away[:, :, 1 - self.column] / depth).ravel()
-        moved = replace(self.framed, x=x.ravel(), other=other)
-        return moved.design(self.order).reshape(*x.shape, self.size)
-
-    @cached_property
-    def framed(self) -> AxisData:
-        """The axis with its basis held."""
-        first = (self.data.domain,)
-        return replace(
-            self.data, frame=first if self.data.other is None else (*first, self.data.across)
-        )
-
-    def reduced(self, position: Array) -> Reduced:
-        """Weighted least squares at positions ``(m, 3)``."""
-        m, n, p = len(position), len(self.world), self.size
-        t = np.broadcast_to(self.data.t[:, None], (m, n, 1))
-        augmented = np.concatenate([self.design(position), t], axis=2)
-        log_sd = 0.0
-        if self.data.sd is not None:
-            augmented /= self.data.sd[:, None]
-            log_sd = float(np.log(self.data.sd).sum())
-        triangle = np.linalg.qr(augmented, mode="r")
-        ones = np.ones(m)
-        rss = triangle[:, p, p] ** 2 if n > p else 0 * ones
-        return Reduced(triangle[:, :p, :p], triangle[:, :p, p], rss, n * ones, log_sd * ones)
-
-    def draw(self, rng: np.random.Generator, position: Array) -> tuple[Array, Array, Array]:
-        """Draw amplitudes ``(m, size)``, ln sigma and ln tau ``(m,)`` given positions."""
-        data = self.reduced(position)
-        rule, log_tau = tau_rule(self.prior, QUICK)
-        projection = Projection.of(data, self.prior, log_tau)
-        sigma_rule, values = log_joint(data, projection, self.noise, self.prior, QUICK)
-        weights = np.log(rule.weights[:, None] * sigma_rule.weights)
-        flat = (values + weights).reshape(len(position), -1)
-        pick = np.argmax(flat + rng.gumbel(size=flat.shape), axis=1)
-        i, j = np.divmod(pick, len(sigma_rule.nodes))
-        known = self.noise.value
-        log_sigma = sigma_rule.nodes[j] if known is None else np.full(len(position), np.log(known))
-        tau = log_tau[i]
-        for _ in range(GIBBS):
-            amplitudes = self._amplitudes(rng, data, log_sigma, tau)
-            if self.noise.bounds is not None:
-                misfit = data.qt - np.einsum("mij,mj->mi", data.r, amplitudes)
-                rss = data.rss + (misfit**2).sum(axis=1)
-                log_sigma = Strength(self.noise.log_bounds, len(self.world)).draw(rss, rng)
-            if self.prior.infers_tau:
-                strong = self.prior.scaled
-                z = (amplitudes - self.prior.mean)[:, strong] / self.prior.sd[strong]
-                strength = Strength(self.prior.log_tau_bounds, int(strong.sum()))
-                tau = strength.draw((z**2).sum(axis=1), rng)
-        return self._amplitudes(rng, data, log_sigma, tau), log_sigma, tau
-
-    def _amplitudes(
-        self, rng: np.random.Generator, data: Reduced, log_sigma: Array, log_tau: Array
-    ) -> Array:
-        """Draw from the normal given sigma and tau (Bishop 2006, 3.3)."""
-        s = self.prior.deviations(log_tau)
-        u, d, vt = np.linalg.svd(data.r * s[:, None, :])
-        w = np.einsum("mji,mj->mi", u, data.qt - data.r @ self.prior.mean)
-        variance = np.exp(2 * log_sigma)[:, None]
-        total = variance + d**2
-        a = d * w / total + np.sqrt(variance / total) * rng.standard_normal(w.shape)
-        return np.asarray(self.prior.mean + s * np.einsum("mji,mj->mi", vt, a))
-
-    def log_likelihood(self, position: Array, amplitudes: Array, log_sigma: Array) -> Array:
-        """Log density of each pixel, ``(m, n_points)``."""
-        prediction = np.einsum("mnp,mp->mn", self.design(position), amplitudes)
-        log_scale = log_sigma[:, None]
-        if self.data.sd is not None:
-            log_scale = log_scale + np.log(self.data.sd)
-        z = (self.data.t - prediction) * np.exp(-log_scale)
-        return np.asarray(-(z**2 + LOG_2PI) / 2 - log_scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,6 +53,11 @@ class FreePositionModel:
             out += [f"tau_{axis.data.axis}"] * axis.prior.infers_tau
         return (*out, "position_x", "position_y", "position_z")
 
+    @cached_property
+    def _offsets(self) -> tuple[Array, Array]:
+        r, c = self.axes
+        return r.offsets(self.start), c.offsets(self.start)
+
     def position(self, theta: Array) -> Array:
         """Camera positions of sampled coordinates, ``(n_draws, 3)``, world units."""
         return self.start + theta[:, :3] * self.prior.sd
@@ -195,10 +77,8 @@ class FreePositionModel:
         for first in range(0, len(inside), step):
             part = inside[first : first + step]
             out[part] = self.prior.log_density(position[part]) + np.log(self.prior.sd).sum()
-            for axis in self.axes:
-                out[part] += log_evidences(
-                    axis.reduced(position[part]), axis.noise, axis.prior, QUICK
-                )
+            for axis, offsets in zip(self.axes, self._offsets, strict=True):
+                out[part] += axis.log_evidence(position[part], offsets)
         return np.where(np.isfinite(out), out, -np.inf)
 
     def starts(self) -> Array:
@@ -208,8 +88,8 @@ class FreePositionModel:
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:
         """Draw coefficients, sigma and tau of both axes given the position."""
         columns = [theta]
-        for axis in self.axes:
-            amplitudes, log_sigma, log_tau = axis.draw(rng, self.position(theta))
+        for axis, offsets in zip(self.axes, self._offsets, strict=True):
+            amplitudes, log_sigma, log_tau = axis.draw(rng, self.position(theta), offsets)
             columns += [amplitudes, log_sigma[:, None], log_tau[:, None]]
         return np.concatenate(columns, axis=1)
 

@@ -2,120 +2,197 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import minimize
 
 from bayescal.arrays import Array
-from bayescal.inference.free_position import FreePositionModel, MovingAxis
+from bayescal.inference.free_position import FreePositionModel
+from bayescal.inference.moving_axis import MovingAxis
 from bayescal.inference.optimum import Mode
 from bayescal.inference.t_mixture import cholesky
 from bayescal.models.camera_prior import PositionPrior
+from bayescal.models.direct_linear import direct_linear
 
 NEWTON = 3
+# Starts along the line to the points, in the prior's deviations.
+ALONG = (-2.0, -1.0, 1.0, 2.0)
+MOST_STEPS, HALVINGS = 100, 20
+LONGEST = 3.0  # step, in the prior's deviations
+SETTLED = 1e-9  # nat that a step gains
+FLATTEST = 1e-2  # curvature of the log posterior taken for less, of what the slopes say
+SHARE = 0.3  # step of the differences, in deviations
 
 
-def best_position(
-    axes: Sequence[MovingAxis], prior: PositionPrior, log_likelihood: Callable[[Array], float]
-) -> tuple[Array, float]:
+def best_position(axes: Sequence[MovingAxis], prior: PositionPrior) -> Array:
     """Position of highest likelihood, the coefficients eliminated (Golub & Pereyra 1973).
+
+    Gauss-Newton from several starts: the prior's mean, one and two of its deviations before and
+    behind it along the line to the points, and the position of the linear camera. Each axis is
+    weighted by the sigma that its residuals have, within the bounds of its prior: without these,
+    pixels without noise would make the likelihood a spike without a top.
 
     Parameters
     ----------
     axes : sequence of MovingAxis
     prior : PositionPrior
-        Where to start, and how far apart to look.
-    log_likelihood : callable
-        From the axes' weighted sums of squares to the maximised log likelihood.
+        Where to start, and on which side of the points to stay.
 
     Returns
     -------
-    position : Array
+    Array
         ``(3,)``, world units.
-    log_likelihood : float
     """
-    z, mean, sd = axes[0].world[:, 2], prior.mean, prior.sd
-    side = np.sign(z - mean[2])
-
-    def objective(u: Array) -> tuple[float, Array]:
-        position = mean + u * sd
-        if (np.sign(z - position[2]) != side).any():
-            return 1e300, np.zeros(3)
-        rss, slopes = zip(*(profile(axis, position) for axis in axes), strict=True)
-        values = np.array(rss)
-        top = log_likelihood(values)
-        # ln L depends on each sum of squares q as -n/2 ln q or -q / (2 sigma^2).
-        slope = np.zeros(3)
-        for axis, q, d in zip(axes, rss, slopes, strict=True):
-            known = axis.noise.value
-            slope += d * (len(z) / (2 * q) if known is None else 1 / (2 * known**2))
-        return -top, slope * sd
-
-    found = minimize(objective, np.zeros(3), jac=True, method="BFGS", options={"gtol": 1e-6})
-    return mean + found.x * sd, -float(found.fun)
+    found = [climb(axes, prior, start) for start in _starts(axes, prior)]
+    return max(found, key=lambda pair: pair[1])[0]
 
 
-def profile(axis: MovingAxis, position: Array) -> tuple[float, Array]:
-    """Weighted sum of squares at the best coefficients, and its slope in the position.
+def _starts(axes: Sequence[MovingAxis], prior: PositionPrior) -> list[Array]:
+    world = axes[0].world
+    ahead = world.mean(axis=0) - prior.mean
+    along = ahead / (float(np.linalg.norm(ahead / prior.sd)) or 1.0)
+    out = [prior.mean + k * along for k in (0.0, *ALONG)]
+    camera = direct_linear(world, np.column_stack([a.data.t for a in axes]))
+    if camera is not None:
+        out.append(camera.position)
+    return [start for start in out if _possible(world, prior, start)]
 
-    The slope is -2 e' (dX/dposition) b, e the residuals: those in the coefficients vanish
-    (Golub & Pereyra 1973, SIAM J. Numer. Anal. 10, 413).
+
+def _possible(world: Array, prior: PositionPrior, position: Array) -> bool:
+    """Whether every point stays on the side of the camera it is stated to be on."""
+    z = world[:, 2]
+    return bool((np.sign(z - position[2]) == np.sign(z - prior.mean[2])).all())
+
+
+def climb(
+    axes: Sequence[MovingAxis], prior: PositionPrior, start: Array, *, weigh: bool = False
+) -> tuple[Array, float]:
+    """Climb by Gauss-Newton with halved steps; the position and its log likelihood.
+
+    `weigh` adds the prior to the likelihood.
     """
+    position, value = start, _height(axes, prior, start, weigh=weigh)
+    for _ in range(MOST_STEPS):
+        e, slope = _stacked(axes, prior, position, weigh=weigh)
+        # In units of the prior's deviations; a direction that changes nothing is not taken.
+        step = np.linalg.lstsq(slope * prior.sd, -e, rcond=1e-12)[0]
+        step *= prior.sd / max(1.0, float(np.linalg.norm(step)) / LONGEST)
+        gain = 0.0
+        for halving in range(HALVINGS):
+            trial = position + step * 0.5**halving
+            if _possible(axes[0].world, prior, trial):
+                reached = _height(axes, prior, trial, weigh=weigh)
+                if reached > value:
+                    position, gain, value = trial, reached - value, reached
+                    break
+        if gain < SETTLED:
+            break
+    return position, value
+
+
+def _stacked(
+    axes: Sequence[MovingAxis], prior: PositionPrior, position: Array, *, weigh: bool
+) -> tuple[Array, Array]:
+    """Residuals of both axes in their sigmas, and of the prior; and their slopes."""
+    values, slopes = [], []
+    for axis in axes:
+        e, slope = linearised(axis, position)
+        sigma = axis.bounded_sigma(float(e @ e))
+        values.append(e / sigma)
+        slopes.append(slope / sigma)
+    if weigh:
+        values.append((position - prior.mean) / prior.sd)
+        slopes.append(np.diag(1 / prior.sd))
+    return np.concatenate(values), np.concatenate(slopes)
+
+
+def _height(
+    axes: Sequence[MovingAxis], prior: PositionPrior, position: Array, *, weigh: bool
+) -> float:
+    """Log likelihood at the best coefficients and the best sigma within its bounds.
+
+    But for constants; with the prior where it is weighed.
+    """
+    total = float(prior.log_density(position[None])[0]) if weigh else 0.0
+    for axis in axes:
+        e, _ = linearised(axis, position, slopes=False)
+        rss = float(e @ e)
+        sigma = axis.bounded_sigma(rss)
+        total -= rss / sigma**2 / 2 + len(e) * math.log(sigma)
+    return total
+
+
+def linearised(axis: MovingAxis, position: Array, *, slopes: bool = True) -> tuple[Array, Array]:
+    """Weighted residuals at the best coefficients, and their slopes as these follow.
+
+    Parameters
+    ----------
+    axis : MovingAxis
+    position : Array
+        ``(3,)``.
+    slopes : bool, optional
+        False leaves them out.
+
+    Returns
+    -------
+    residuals : Array
+        ``(n_points,)``, px, or in units of the points' own deviations.
+    slopes : Array
+        ``(n_points, 3)`` per world unit: of the design alone, projected on what the coefficients
+        can't follow (Kaufman 1975, BIT 15, 49). The slope of the sum of squares, 2 e' times it,
+        is exact; empty without slopes.
+    """
+    sd = np.ones(len(axis.world)) if axis.data.sd is None else axis.data.sd
     step = 1e-30
-    moved = axis.design(position + step * 1j * np.eye(3))
-    design, slopes = moved[0].real, moved.imag / step
-    sd = np.ones(len(design)) if axis.data.sd is None else axis.data.sd
-    b, *_ = np.linalg.lstsq(design / sd[:, None], axis.data.t / sd, rcond=None)
-    e = (axis.data.t - design @ b) / sd
-    return float(e @ e), np.array([-2 * e @ ((dx @ b) / sd) for dx in slopes])
+    places = position + step * 1j * np.eye(3) if slopes else position[None]
+    moved = axis.design(places) / sd[:, None]
+    q, r = np.linalg.qr(moved[0].real)
+    t = axis.data.t / sd
+    projected = q.T @ t
+    e = t - q @ projected
+    if not slopes:
+        return e, np.empty((len(e), 0))
+    b, *_ = np.linalg.lstsq(r, projected, rcond=None)
+    change = (moved.imag / step @ b).T
+    return e, q @ (q.T @ change) - change
 
 
 def position_mode(model: FreePositionModel) -> Mode:
     """Laplace approximation of the position's posterior, by Newton steps.
 
-    The steps of the differences come from the slopes of the sums of squares; some forty
-    evaluations where a search that knows nothing takes hundreds.
+    Differences go along the axes of what Gauss-Newton makes of the slopes: some forty
+    evaluations where a search that knows nothing takes hundreds, and valleys a thousand times
+    as long as wide are no trouble.
     """
-    step = np.zeros(3)
-    for axis in model.axes:
-        rss, _ = profile(axis, model.start)
-        n, known = len(axis.world), axis.noise.value
-        sigma2 = rss / n if known is None else known**2
-        step += np.array([_curvature(axis, model.start, e) for e in np.eye(3)]) / sigma2
-    step = 0.3 / np.sqrt(step + model.prior.sd**-2) / model.prior.sd
-    theta = np.zeros(3)
+    place, _ = climb(model.axes, model.prior, model.start, weigh=True)
+    _, slope = _stacked(model.axes, model.prior, place, weigh=True)
+    _, d, vt = np.linalg.svd(slope * model.prior.sd, full_matrices=False)
+    step = SHARE * vt.T / d
+    theta = (place - model.start) / model.prior.sd
     for _ in range(NEWTON):
-        centre, slope, hessian = _differences(model, theta, step)
+        centre, gradient, hessian = _differences(model, theta, step)
         values, vectors = np.linalg.eigh(hessian)
-        values = np.maximum(values, 1e-2)
-        move = vectors @ (vectors.T @ slope / values) * step
-        root = cholesky((step[:, None] * vectors / values) @ (step[:, None] * vectors).T)
-        if float(model.log_prob((theta + move)[None])[0]) < centre:
+        values = np.maximum(values, FLATTEST * SHARE**2)
+        axes = step @ vectors
+        root = cholesky((axes / values) @ axes.T)
+        move = axes @ (vectors.T @ gradient / values)
+        if not float(model.log_prob((theta + move)[None])[0]) > centre:
             break
         theta = theta + move
     return Mode(theta, float(model.log_prob(theta[None])[0]), root)
 
 
-def _curvature(axis: MovingAxis, position: Array, direction: Array) -> float:
-    """Sum of squares that a unit step of the position adds, the coefficients following."""
-    moved = axis.design(position + 1e-30j * direction[None])[0]
-    sd = np.ones(len(moved)) if axis.data.sd is None else axis.data.sd
-    design, slope = moved.real / sd[:, None], moved.imag * 1e30 / sd[:, None]
-    b, *_ = np.linalg.lstsq(design, axis.data.t / sd, rcond=None)
-    change = slope @ b
-    c, *_ = np.linalg.lstsq(design, change, rcond=None)
-    return float(((change - design @ c) ** 2).sum())
-
-
 def _differences(model: FreePositionModel, theta: Array, step: Array) -> tuple[float, Array, Array]:
-    """Log density, its slope and minus its curvature, per step."""
-    unit = np.diag(step)
+    """Log density, its slope and minus its curvature, per step: a column of `step` each."""
+    unit = step.T
     i, j = np.triu_indices(3, 1)
     corners = [a * unit[i] + b * unit[j] for a in (1, -1) for b in (1, -1)]
     values = model.log_prob(theta + np.concatenate([np.zeros((1, 3)), unit, -unit, *corners]))
     centre, up, down = values[0], values[1:4], values[4:7]
     pp, pm, mp, mm = values[7:].reshape(4, 3)
-    hessian = np.diag(2 * centre - up - down)
-    hessian[i, j] = hessian[j, i] = (pm + mp - pp - mm) / 4
-    return float(centre), (up - down) / 2, np.nan_to_num(hessian)
+    with np.errstate(invalid="ignore"):
+        hessian = np.diag(2 * centre - up - down)
+        hessian[i, j] = hessian[j, i] = (pm + mp - pp - mm) / 4
+        gradient = (up - down) / 2
+    return float(centre), np.nan_to_num(gradient), np.nan_to_num(hessian)

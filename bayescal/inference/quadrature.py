@@ -90,7 +90,7 @@ POINT = Rule(frozen([0.0]), frozen([1.0]), frozen([1.0]))
 
 def interval(lower: float, upper: float, nodes: int) -> Rule:
     """Rule on one interval; `nodes` is 1 plus a multiple of 4."""
-    return _panels(np.array([lower]), np.array([upper]), nodes)
+    return panels(np.array([lower]), np.array([upper]), nodes)
 
 
 def follow(
@@ -146,7 +146,7 @@ def follow(
         )
     ends = np.array([np.concatenate(side) for side in zip(*kept, strict=True)])
     ends = ends[:, np.argsort(ends[0])]
-    rule = _panels(ends[0], ends[1], accuracy.panel_nodes)
+    rule = panels(ends[0], ends[1], accuracy.panel_nodes)
     return rule, log_density(rule.nodes)
 
 
@@ -155,8 +155,8 @@ def _any_density(flags: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return np.asarray(flags.reshape(-1, flags.shape[-1]).any(axis=0))
 
 
-def _panels(lower: Array, upper: Array, nodes: int) -> Rule:
-    """Composite rule; nodes that neighbouring panels share are merged."""
+def panels(lower: Array, upper: Array, nodes: int) -> Rule:
+    """Composite rule on adjoining panels; nodes that neighbours share are merged."""
     x, fine = clenshaw_curtis(nodes)
     coarse = np.zeros(nodes)
     coarse[::2] = clenshaw_curtis(nodes // 2 + 1)[1]

@@ -152,7 +152,6 @@ def test_a_turned_camera_rejects_the_polynomials():
         ({"families": ["homography"]}, "family must be separable, bivariate, pinhole"),
         ({"position": ["nowhere"]}, "position must be stated or free"),
         ({"prior": "flat"}, "flat prior has no evidence"),
-        ({"noise": "student-t"}, "goes with --family pinhole alone"),
     ],
 )
 def test_refusals(options, match):
