@@ -1,5 +1,6 @@
 """Models of the joint data on one scale: probabilities, the verdict, weak combinations."""
 
+import math
 import re
 from dataclasses import replace
 
@@ -129,6 +130,29 @@ def test_leave_one_out_of_a_pinhole_is_that_of_fits_without_the_point(thesis_fam
     error = np.hypot(model.log_evidence_error, without.best.log_evidence_error)
     # The centroid, which anchors the coordinates, moves with the point: only they do.
     assert model.elpd_pointwise[point] == pytest.approx(expected, abs=4 * error + 0.02)
+
+
+def test_families_under_robust_noise_are_on_one_scale(tmp_path):
+    """Light tails give the Gaussian evidences; a run of heavy ones reopens as it was."""
+    both = {"position": ["stated", "free"], "ess": 200}
+    plain = bc.compare_families(bc.thesis(), ["separable"], [1], **both)
+    light = bc.compare_families(bc.thesis(), ["separable"], [1], noise="student-t", nu=1e10, **both)
+    for model in plain.models:
+        other = light[str(model.name)]
+        error = math.hypot(model.log_evidence_error, other.log_evidence_error)
+        assert other.log_evidence == pytest.approx(model.log_evidence, abs=4 * error + 5e-3)
+        assert other.bic is None
+        assert model.bic is not None
+    heavy = bc.compare_families(bc.thesis(), ["separable"], [1], noise="student-t", **both)
+    shown = render(families_view(heavy), terminal=False)
+    assert max(len(line) for line in shown.splitlines()) <= 100
+    assert "Student-t, nu ~ Gamma" in shown
+    assert "above the rounding of whole readings (0.29 px)" in shown
+    assert "no AIC and BIC" in shown
+    bc.save_run(heavy, tmp_path / "run")
+    again = bc.open_run(tmp_path / "run")
+    assert [m.log_evidence for m in again.models] == [m.log_evidence for m in heavy.models]
+    assert [m.elpd for m in again.models] == [m.elpd for m in heavy.models]
 
 
 def test_a_turned_camera_rejects_the_polynomials():
