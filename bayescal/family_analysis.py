@@ -20,14 +20,16 @@ from bayescal.comparison.families import (
     model_probabilities,
 )
 from bayescal.errors import InputError
-from bayescal.family_members import Progress, Wanted, free_members, pinhole_members, stated_members
+from bayescal.family_members import Progress, free_members, pinhole_members, stated_members
 from bayescal.family_models import (
     FAMILIES,
     LINEAR,
     Axis,
+    Wanted,
     linear_axes,
     noise_levels,
 )
+from bayescal.family_robust import free_robust, stated_robust
 from bayescal.models import separable
 from bayescal.models.camera_prior import pinhole_prior, position_prior
 from bayescal.points.correspondences import Correspondences
@@ -80,13 +82,17 @@ def compare_joint(
                 if family == PINHOLE:
                     found += pinhole_members(points, request, position, levels, settings, source)
                     continue
-                wanted = _wanted(family, request)
-                if position == STATED:
+                wanted, stated = _wanted(family, request), position == STATED
+                if settings.choice.robust:
+                    judge = stated_robust if stated else free_robust
+                    found += judge(family, axes[family], wanted, points, settings, source)
+                elif stated:
                     found += stated_members(family, axes[family], wanted, points)
                 else:
                     found += free_members(family, axes[family], wanted, points, settings, source)
     chances = model_probabilities(found)
-    order = sorted(range(len(found)), key=lambda i: -chances[i])
+    # Probabilities too small for a double are zero, and still have an order.
+    order = sorted(range(len(found)), key=lambda i: (-chances[i], -found[i].log_evidence))
     models = tuple(found[i] for i in order)
     sorted_chances = tuple(chances[i] for i in order)
     verdict = judge_families(models, sorted_chances, _caveats(points, models, sorted_chances))
@@ -121,12 +127,6 @@ def check_request(request: FamilyRequest, settings: Settings) -> None:
         raise InputError(f"radial must be even or all, not {request.radial!r}")
     if settings.prior == "flat":
         raise InputError("a flat prior has no evidence, which families are compared by; drop it")
-    linear = [f for f in request.families if f in LINEAR]
-    if settings.noise != "gaussian" and linear:
-        raise InputError(
-            f"--noise {settings.noise} across families goes with --family pinhole alone so far; "
-            f"{linear[0]} has it axis by axis: drop --family"
-        )
 
 
 def _wanted(family: str, request: FamilyRequest) -> Wanted:

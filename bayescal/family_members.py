@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.special import softmax
 
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.families import (
@@ -20,24 +21,27 @@ from bayescal.comparison.families import (
 )
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
 from bayescal.comparison.psis import good_k
-from bayescal.errors import InputError
 from bayescal.family_models import (
     FAMILIES,
     Axis,
     NoiseLevels,
+    Wanted,
+    check_free,
     criteria_of,
     free_model,
     joint_data,
+    orders_of,
     pinhole_model,
 )
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import ExactPosterior, exact_posterior
-from bayescal.inference.estimate import from_weights
-from bayescal.inference.free_position import FreePositionModel
+from bayescal.inference.estimate import EvidenceEstimate
+from bayescal.inference.estimate import from_weights as evidence_of
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.pinhole import PinholeModel
-from bayescal.inference.pinhole_proposal import ladder
+from bayescal.inference.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.position_search import position_mode
+from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.inference.weighting import WeightedDraws, weigh
 from bayescal.points.correspondences import Correspondences
@@ -47,8 +51,14 @@ from bayescal.sources import DrawsSource
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
 POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
+# Share of the weight of all that one weighted draw may have: of its copies the tail that tells
+# of a point left out would be made.
+HEAVIEST = 0.02
+LOO_DRAWS = 4000  # of a sampled model, at most twice as many
+# Draws of the evidence without a point that leave-one-out from the draws fails for, and the
+# most such points that are worth it.
+REFIT_DRAWS, MOST_REFITS = 4000, 20
 Progress = Callable[[str, int], None]
-Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
 
 
 def stated_members(
@@ -59,7 +69,7 @@ def stated_members(
     exact: list[dict[int, tuple[ExactPosterior, float, float, LeaveOneOut | None]]] = []
     for i, axis in enumerate(axes):
         by_order = {}
-        for k in sorted({w[1] if i == 0 else w[2] for w in orders}):
+        for k in orders_of(orders, i):
             posterior = exact_posterior(axis.model(k))
             value, error = posterior.log_evidence, posterior.log_evidence_error
             assert value is not None, "a proper prior has an evidence"
@@ -108,13 +118,7 @@ def free_members(
     source: DrawsSource,
 ) -> list[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
-    for i, axis in enumerate(axes):
-        axis.data.check(max(w[1] if i == 0 else w[2] for w in orders))
-        if axis.data.x_sd is not None and axis.data.x_sd.any():
-            raise InputError(
-                f"{points.source}: errors of the world coordinates with a free camera position "
-                "are not available; drop sigma_x, sigma_y, sigma_z or --position free"
-            )
+    check_free(axes, orders, points)
     built = []
     for named, k, m in orders:
         model, likelihood = free_model(points, axes, (k, m))
@@ -127,52 +131,80 @@ def free_members(
         if name == best:
             guess = proposal, (mode,)
             sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
-            found = _from_posterior(source.sampled(name.key, model, sample))
+            found = from_posterior(source.sampled(name.key, model, sample))
         else:
             draw = partial(weigh, model, proposal, rng, WEIGHTED_DRAWS)
-            found = _from_weights(model, source.weighted(name.key, model, draw))
+            found = from_weights(model, source.weighted(name.key, model, draw))
         start = model.start
-        out.append(_joint(name, count, likelihood, len(points), found, start))
+        out.append(judged_model(name, count, likelihood, len(points), found, start))
     return out
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
+class Found:
     """What draws say of a model."""
 
     log_evidence: float
     error: float
-    pointwise: Array
+    pointwise: Array | None
     pareto_k: float
-    k_limit: float
+    k_limit: float | None
     posterior: SampledPosterior | None
     doubts: tuple[str, ...] = ()
     weighted: WeightedDraws | None = None
+    refitted: tuple[int, ...] = ()
 
 
-def _from_posterior(posterior: SampledPosterior) -> _Found:
-    """Evidence and leave-one-out of a sampled model, the latter from 4000 draws at most."""
+def shortened(posterior: SampledPosterior) -> Array:
+    """Completed draws, every so many of them, ``(n, n_full)``."""
     full = posterior.full.reshape(-1, posterior.full.shape[2])
-    step = max(1, len(full) // 4000)
-    kept = full[::step]
+    return full[:: max(1, len(full) // LOO_DRAWS)]
+
+
+def from_posterior(
+    posterior: SampledPosterior, without: Callable[[int], EvidenceEstimate] | None = None
+) -> Found:
+    """Evidence and leave-one-out of a sampled model.
+
+    Where a point's weights have too heavy a tail, its term comes from the evidence `without`
+    it, if that is to be had: ln p(t_i | the others) = ln Z - ln Z_-i.
+    """
+    kept = shortened(posterior)
     pointwise, _, shape = psis_loo(posterior.model.log_likelihood(kept).T)
     value, error, limit = posterior.log_evidence, posterior.log_evidence_error, good_k(len(kept))
-    return _Found(value, error, pointwise, float(shape.max()), limit, posterior)
+    heavy = [int(i) for i in np.flatnonzero(~(shape < limit))]
+    refitted = []
+    if without is not None and len(heavy) <= MOST_REFITS:
+        for i in heavy:
+            rest = without(i)
+            if rest.certain:
+                pointwise[i], shape[i] = value - rest.log_evidence, rest.pareto_k
+                refitted.append(i)
+    told, largest = finite(pointwise), float(shape.max())
+    return Found(value, error, told, largest, limit, posterior, refitted=tuple(refitted))
 
 
-def _from_weights(model: FreePositionModel, draws: WeightedDraws) -> _Found:
-    """Find the same by importance sampling: in three dimensions nearly every draw is effective."""
-    estimate = from_weights(draws.log_weights)
-    pointwise, _, shape = psis_loo(model.log_likelihood(draws.full).T)
+def from_weights(model: SampledModel, draws: WeightedDraws) -> Found:
+    """Find the same by importance sampling alone."""
+    estimate = evidence_of(draws.log_weights)
     value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
+    if float(softmax(draws.log_weights).max()) > HEAVIEST:
+        return Found(value, error, None, math.inf, None, None, doubts, draws)
+    pointwise, _, shape = psis_loo(model.log_likelihood(draws.full).T)
     limit, largest = good_k(len(draws.full)), float(shape.max())
-    return _Found(value, error, pointwise, largest, limit, None, doubts, draws)
+    return Found(value, error, finite(pointwise), largest, limit, None, doubts, draws)
 
 
-def _joint(
-    name: ModelName, count: int, likelihood: float, n: int, found: _Found, position: Array
+def finite(pointwise: Array) -> Array | None:
+    """Leave-one-out of every point; None where too few draws count to tell of one."""
+    return pointwise if np.isfinite(pointwise).all() else None
+
+
+def judged_model(
+    name: ModelName, count: int, likelihood: float | None, n: int, found: Found, position: Array
 ) -> JointModel:
-    aic, bic = criteria_of(likelihood, count, n)
+    """Make a member of what was found; without a likelihood there are no AIC and BIC."""
+    aic, bic = (None, None) if likelihood is None else criteria_of(likelihood, count, n)
     return JointModel(
         name,
         count,
@@ -188,6 +220,7 @@ def _joint(
         found.doubts,
         found.k_limit,
         weighted=found.weighted,
+        refitted=found.refitted,
     )
 
 
@@ -210,9 +243,9 @@ def pinhole_members(
         count += 0 if model.gaussian else 2 * model.noise.dimension
         theta = model.geometry.full(model.fit.free[None])
         position_found = frozen(model.geometry.position(theta)[0])
-        likelihood = model.fit.log_likelihood
-        found = _from_posterior(posterior)
-        out.append(_joint(name, count, likelihood, len(points), found, position_found))
+        likelihood = model.fit.log_likelihood if model.gaussian else None
+        found = from_posterior(posterior, _without(model, settings, name))
+        out.append(judged_model(name, count, likelihood, len(points), found, position_found))
     return out
 
 
@@ -224,7 +257,29 @@ def _sample_pinhole(model: PinholeModel, rng: np.random.Generator, ess: int) -> 
     return sample_model(model, rng, ess, guess)
 
 
-def _rng(settings: Settings, name: ModelName) -> np.random.Generator:
-    """Random numbers of one model, keyed by its name, so that no other changes them."""
-    key = (2 + FAMILIES.index(name.family), int(name.position == FREE), *name.orders)
-    return np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=key))
+def _without(
+    model: PinholeModel, settings: Settings, name: ModelName
+) -> Callable[[int], EvidenceEstimate] | None:
+    """How to have the evidence without a point, where that takes no sampling."""
+    if not model.gaussian:
+        return None
+
+    def evidence(point: int) -> EvidenceEstimate:
+        rng = _rng(settings, name, point + 1)
+        return weighted_evidence(model.without(point), rng, REFIT_DRAWS)
+
+    return evidence
+
+
+def random_numbers(settings: Settings, family: str, key: tuple[int, ...]) -> np.random.Generator:
+    """Random numbers of one model of a family, by a key of its own: no other changes them.
+
+    The key of a pair of axes begins with 1 at a free position and with 0 at the stated one.
+    """
+    whole = (2 + FAMILIES.index(family), *key)
+    return np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=whole))
+
+
+def _rng(settings: Settings, name: ModelName, *further: int) -> np.random.Generator:
+    key = (int(name.position == FREE), *name.orders, *further)
+    return random_numbers(settings, name.family, key)

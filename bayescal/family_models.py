@@ -21,7 +21,7 @@ from bayescal.models import bivariate, separable
 from bayescal.models.camera_prior import PinholePrior, pinhole_prior, position_prior
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.choice import NoiseChoice
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.models.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.models.pinhole import PinholeGeometry, Radial
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
@@ -29,6 +29,7 @@ from bayescal.points.setup import AXES
 from bayescal.settings import Settings, noise_level, prior_rule
 
 LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
+Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
 FAMILIES = (*LINEAR, PINHOLE)
 
 
@@ -98,6 +99,8 @@ def noise_levels(points: Correspondences, settings: Settings, highest: int) -> N
             level, text = _plain_level(settings, sd)
             if settings.choice.robust:
                 level = level.on_readings(pixels[i], sd)
+        if level.mass < 1:
+            text += f", above the rounding of whole readings ({WHOLE_PIXEL:.2g} px)"
         sds.append(sd)
         levels.append(level)
         words.append(text)
@@ -119,24 +122,52 @@ def joint_data(axes: tuple[Axis, Axis]) -> JointData:
     return JointData(np.stack([r.data.t, c.data.t]), (r.data.sd, c.data.sd), (r.noise, c.noise))
 
 
+def orders_of(orders: Wanted, axis: int) -> list[int]:
+    """Orders wanted of an axis: 0 is r, 1 is c."""
+    return sorted({(k, m)[axis] for _, k, m in orders})
+
+
+def check_free(axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences) -> None:
+    """Refuse orders that the points can't determine, and errors of world coordinates.
+
+    Raises
+    ------
+    InputError
+    """
+    for i, axis in enumerate(axes):
+        axis.data.check(max(orders_of(orders, i)))
+        if axis.data.x_sd is not None and axis.data.x_sd.any():
+            raise InputError(
+                f"{points.source}: errors of the world coordinates with a free camera position "
+                "are not available; drop sigma_x, sigma_y, sigma_z or --position free"
+            )
+
+
 def criteria_of(log_likelihood: float, k: int, n: int) -> tuple[float, float]:
     """Give AIC and BIC of K parameters; n counts points."""
     return -2 * log_likelihood + 2 * k, -2 * log_likelihood + k * math.log(n)
+
+
+def moving_axes(
+    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int]
+) -> tuple[MovingAxis, MovingAxis]:
+    """Both axes of a linear family as functions of the camera position."""
+    r, c = (
+        MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
+        for i, (a, k) in enumerate(zip(axes, orders, strict=True))
+    )
+    return r, c
 
 
 def free_model(
     points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int]
 ) -> tuple[FreePositionModel, float]:
     """Build a linear family's model at a free position, and its maximised log likelihood."""
-    prior = position_prior(points)
-    moving = [
-        MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
-        for i, (a, k) in enumerate(zip(axes, orders, strict=True))
-    ]
+    prior, moving = position_prior(points), moving_axes(points, axes, orders)
     start = best_position(moving, prior)
     rss = [e @ e for e, _ in (linearised(axis, start) for axis in moving)]
     likelihood = joint_data(axes).log_likelihood(np.array(rss))
-    return FreePositionModel((moving[0], moving[1]), prior, frozen(start)), likelihood
+    return FreePositionModel(moving, prior, frozen(start)), likelihood
 
 
 def pinhole_model(

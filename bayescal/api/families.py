@@ -46,7 +46,7 @@ def compare_families(
     progress : callable, optional
         Called with the family and its position before its models are fitted.
     **options : Options
-        Of noise (other than Gaussian for the pinhole alone), prior and sampling: see
+        Of noise, prior and sampling: see
         `bayescal.settings.Settings`.
 
     Returns
@@ -103,7 +103,7 @@ def fit_family(
     radial : str, optional
         As in `compare_families`.
     **options : Options
-        Of noise (other than Gaussian for the pinhole alone), prior and sampling: see
+        Of noise, prior and sampling: see
         `bayescal.settings.Settings`.
 
     Returns

@@ -98,10 +98,11 @@ class JointModel:
     name : ModelName
     n_parameters : int
         K: coefficients, inferred sigmas and the position where it is free.
-    log_likelihood : float
-        Maximised, with every constant.
-    aic, bic : float
-        n counts points.
+    log_likelihood : float or None
+        Maximised, with every constant; None under robust noise, whose likelihood may have no
+        maximum (a sigma that shrinks about a few points).
+    aic, bic : float or None
+        n counts points; None without it.
     log_evidence : float
         Natural log.
     log_evidence_error : float
@@ -111,11 +112,14 @@ class JointModel:
     elpd_pointwise : Array or None
         ``(n_points,)``.
     pareto_k : float or None
-        Largest, where leave-one-out comes from draws.
+        Largest, where leave-one-out comes from draws; of the evidence's weights at points
+        that were refitted.
     position : Array
-        Camera position of highest likelihood, ``(3,)``, world units.
+        Camera position of highest likelihood, of a linear family under robust noise of highest
+        posterior density, ``(3,)``, world units.
     posterior : SampledPosterior or None
-        Of a model that was sampled: pinholes, and a family's best at a free position.
+        Of a model that was sampled: pinholes, a family's best at a free position, and under
+        robust noise linear families at the stated one.
     doubts : tuple of str
         Why an evidence that was had without sampling should not be trusted.
     k_limit : float or None
@@ -124,13 +128,16 @@ class JointModel:
         Of r and of c, at the stated position of a linear family; empty elsewhere.
     weighted : WeightedDraws or None
         Of a model that has no closed form and was not sampled.
+    refitted : tuple of int
+        Points whose leave-one-out comes from the evidence without them, as their weights
+        have too heavy a tail.
     """
 
     name: ModelName
     n_parameters: int
-    log_likelihood: float
-    aic: float
-    bic: float
+    log_likelihood: float | None
+    aic: float | None
+    bic: float | None
     log_evidence: float
     log_evidence_error: float
     elpd: float | None
@@ -143,6 +150,7 @@ class JointModel:
     k_limit: float | None = None
     exact: tuple[ExactPosterior, ...] = ()
     weighted: WeightedDraws | None = None
+    refitted: tuple[int, ...] = ()
 
     @property
     def sound(self) -> bool:

@@ -31,6 +31,7 @@ BROAD = 3.0  # the defensive component over all draws, in deviations
 DEFENSIVE = 0.05
 EFFECTIVE = 0.1  # share of draws that tempering keeps effective
 STEPS = 8
+REFINED = 10_000  # draws of a chain that a proposal is fitted to, at most
 FLOOR = 0.02
 SETTLED = 0.03  # rounds stop when the effective fraction changes by less than this
 
@@ -115,6 +116,8 @@ def refine(adapted: Adapted, modes: tuple[Mode, ...], theta: Array, log_density:
     log_density : Array
         The density there, ``(n,)``.
     """
+    step = -(-len(theta) // REFINED)
+    theta, log_density = theta[::step], log_density[::step]
     old = adapted.proposal
     weights = np.full(len(theta), 1 / len(theta))
     mean, covariance = _moments(theta, weights)

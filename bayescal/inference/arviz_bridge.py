@@ -31,13 +31,15 @@ class Diagnostics(NamedTuple):
     ess_sd: float
 
 
-def diagnose(draws: Array) -> Diagnostics:
+def diagnose(draws: Array, merged: Array | None = None) -> Diagnostics:
     """Rank-normalised split R-hat and effective sample sizes of one parameter.
 
     Parameters
     ----------
     draws : Array
         ``(n_chains, n_draws)``.
+    merged : Array, optional
+        The same draws as the chains that R-hat compares, where these are others.
     """
     from arviz_stats.base import array_stats
 
@@ -46,7 +48,7 @@ def diagnose(draws: Array) -> Diagnostics:
         return float(value)
 
     return Diagnostics(
-        rhat(draws),
+        rhat(draws if merged is None else merged),
         ess("bulk"),
         ess("tail", prob=0.95),
         ess("mean"),

@@ -28,11 +28,11 @@ from bayescal.inference.sampling import (
 )
 
 ENSEMBLES = 4
-WALKERS = 16  # of each, or twice the dimension, which a differential move needs
-MIN_STEPS = 120
+WALKERS = 16  # of each at least, and twice the dimension, which a differential move needs
+STEPS = 120  # to begin with; more draws are more walkers, which emcee moves in one go
 EVERY = 20  # steps from one differential move to the next
 SPARE = 1.8  # draws per effective sample to begin with
-AHEAD = 40  # independence steps at a time: three times that are in BURN_IN + MIN_STEPS
+AHEAD = 40  # independence steps at a time: three times that are in BURN_IN + STEPS
 
 
 class AlternatingMove(Move):
@@ -88,8 +88,9 @@ def sample_ensembles(
     """
     *own, last = rng.spawn(ENSEMBLES + 1)
     seed = last.bit_generator.random_raw(4).tolist()
-    ensembles = [_Ensemble(log_prob, proposal, whitening, child) for child in own]
-    steps = max(MIN_STEPS, math.ceil(SPARE * ess / sum(e.walkers for e in ensembles)))
+    walkers = max(WALKERS, 2 * len(whitening.centre), math.ceil(SPARE * ess / (ENSEMBLES * STEPS)))
+    ensembles = [_Ensemble(log_prob, proposal, whitening, walkers, child) for child in own]
+    steps = STEPS
     for extension in range(MAX_EXTENSIONS + 1):
         for ensemble in ensembles:
             ensemble.run(steps)
@@ -119,21 +120,20 @@ class _Ensemble:
         log_prob: Callable[[Array], Array],
         proposal: Proposal,
         whitening: Whitening,
+        walkers: int,
         rng: np.random.Generator,
     ) -> None:
         whitened = WhitenedProposal(proposal, whitening)
-        dimension = len(whitening.centre)
-        self.walkers = max(WALKERS, 2 * dimension)
         self.sampler = quiet_sampler(
-            self.walkers,
-            dimension,
+            walkers,
+            len(whitening.centre),
             lambda u: log_prob(whitening.theta(u)),
             AlternatingMove(IndependenceMove(whitened, rng, AHEAD)),
         )
         # The differential move takes emcee's legacy generator, which is seeded here.
         seed = int(rng.integers(2**32))
         self.sampler._random.set_state(np.random.RandomState(seed).get_state())
-        state = _start(whitened, self.sampler, rng, self.walkers)
+        state = _start(whitened, self.sampler, rng, walkers)
         self.state = self.sampler.run_mcmc(
             state, BURN_IN, store=False, skip_initial_state_check=True
         )

@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array
@@ -51,7 +52,7 @@ class Reduced:
     n: Array
     log_sd: Array
 
-    def __getitem__(self, part: slice | Array) -> Reduced:
+    def __getitem__(self, part: slice | NDArray[np.intp]) -> Reduced:
         return Reduced(self.r[part], self.qt[part], self.rss[part], self.n[part], self.log_sd[part])
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array
@@ -23,6 +24,7 @@ from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.priors import CoefficientPrior
 from bayescal.models.strength import Strength
 
+Rows = NDArray[np.intp]
 CACHED = 300_000  # numbers held at once: few enough for a core's cache
 GIBBS = 2  # sweeps that make the quadrature's discrete sigma and tau continuous
 # A few thousandths of a nat, tens of thousands of times.
@@ -127,7 +129,7 @@ class MovingAxis:
             out[rows] = logsumexp(values, axis=(1, 2))
         return out
 
-    def _integrand(self, data: Reduced, offsets: Array) -> Iterator[tuple[Array, Array, Array]]:
+    def _integrand(self, data: Reduced, offsets: Array) -> Iterator[tuple[Rows, Array, Array]]:
         """Rows, ln sigma at nodes, and log of density times weight ``(rows, n_tau, n_sigma)``."""
         rule, log_tau = tau_rule(self.prior, QUICK)
         log_prior = self.noise.log_prior() + self.prior.log_tau_density()
@@ -140,7 +142,7 @@ class MovingAxis:
                 projection = Projection.of(some, self.prior, log_tau)
                 yield part, at, projection.log_likelihood(some, at[:, None, :]) + log_weights
 
-    def _nodes(self, data: Reduced, offsets: Array) -> Iterator[tuple[Array, Array, Array]]:
+    def _nodes(self, data: Reduced, offsets: Array) -> Iterator[tuple[Rows, Array, Array]]:
         """Rows, nodes of ln sigma ``(rows, n_sigma)`` and weights ``(n_sigma,)``.
 
         Equal steps, or panels where these would leave the bounds of sigma.

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
@@ -30,8 +32,8 @@ class PinholeModel:
 
     With Gaussian noise both sigmas, where inferred, are integrated out of `log_prob`, and tau
     is under any noise; `complete` draws them. Sampled coordinates: the free ones of the
-    geometry, whitened by a Laplace approximation; with other noise then ln sigma (where
-    inferred) and eta of r, and of c.
+    geometry, whitened by a Laplace approximation; with other noise then the probit of where ln
+    sigma (where inferred) lies between its bounds and eta of r, and of c.
 
     Attributes
     ----------
@@ -66,6 +68,18 @@ class PinholeModel:
         tau = prior.tau if prior.tau is not None else FRAME_TAU
         frame = laplace(geometry, prior, data, fit.free, tau)
         return cls(geometry, prior, data, fit, frame, noise if noise is not None else Gaussian())
+
+    def without(self, point: int) -> PinholeModel:
+        """Give the same model of the other points, its priors kept."""
+        geometry, data = self.geometry, self.data
+        theta = geometry.full(self.fit.free[None])
+        rest = replace(geometry, world=np.delete(geometry.world, point, axis=0))
+        # The anchor belongs to the points' centroid, which moves.
+        free = rest.free(rest.to_anchor(theta, geometry.position(theta)))[0]
+        sd = tuple(None if s is None else np.delete(s, point) for s in data.sd)
+        others = JointData(np.delete(data.pixels, point, axis=1), (sd[0], sd[1]), data.levels)
+        fit = replace(self.fit, free=free)
+        return PinholeModel.of(rest, self.prior, others, fit, self.noise)
 
     def free(self, theta: Array) -> Array:
         """Free coordinates of sampled (or completed) ones, ``(n_draws, geometry.dimension)``."""
@@ -116,12 +130,11 @@ class PinholeModel:
                 for i in range(2):
                     total = total + self._log_marginal(i, self._rss(residuals, i))
             else:
-                for i, (log_sigma, eta, inside) in enumerate(self._noise(theta)):
+                for i, (log_sigma, eta) in enumerate(self._noise(theta)):
                     sd, residual = self.data.sd[i], residuals[:, i]
                     density = self.noise.log_density(residual, log_sigma, eta, sd).sum(axis=1)
-                    level = self.data.levels[i]
-                    total = total + density + self.noise.log_prior(eta) + level.log_prior()
-                    possible = possible & inside
+                    total = total + density + self.noise.log_prior(eta)
+                total = total + self._log_probit_prior(theta)
         return np.asarray(np.where(possible & np.isfinite(total), total, -np.inf))
 
     def starts(self) -> Array:
@@ -133,9 +146,9 @@ class PinholeModel:
         columns = [np.repeat(free, len(eta), axis=0)]
         for level, sigma in zip(self.data.levels, self.fit.sigma.tolist(), strict=True):
             if level.bounds is not None:
-                lower, upper = level.bounds
-                value = np.log(np.clip(0.7 * sigma, 1.01 * lower, 0.99 * upper))
-                columns.append(np.full((len(eta), 1), value))
+                lower, upper = level.log_bounds
+                share = (math.log(max(0.7 * sigma, math.exp(lower))) - lower) / (upper - lower)
+                columns.append(np.full((len(eta), 1), ndtri(min(max(share, 0.001), 0.99))))
             columns.append(eta)
         return np.concatenate(columns, axis=1)
 
@@ -162,7 +175,7 @@ class PinholeModel:
         if geometry.fixed is None:
             columns.append(geometry.position(theta))
         columns.append(geometry.coefficients(theta))
-        for (log_sigma, eta, _), level in zip(self._noise(full), self.data.levels, strict=True):
+        for (log_sigma, eta), level in zip(self._noise(full), self.data.levels, strict=True):
             if level.value is None:
                 columns.append(np.exp(log_sigma)[:, None])
             columns.append(self.noise.report(eta))
@@ -175,7 +188,7 @@ class PinholeModel:
         theta = self.geometry.full(self.free(full))
         residuals, _ = self._residuals(theta)
         total = np.zeros(residuals[:, 0].shape)
-        for i, (log_sigma, eta, _) in enumerate(self._noise(full)):
+        for i, (log_sigma, eta) in enumerate(self._noise(full)):
             total += self.noise.log_density(residuals[:, i], log_sigma, eta, self.data.sd[i])
         return total
 
@@ -184,7 +197,7 @@ class PinholeModel:
         theta = self.geometry.full(self.free(full))
         residuals, _ = self._residuals(theta)
         out = []
-        for i, (log_sigma, eta, _) in enumerate(self._noise(full)):
+        for i, (log_sigma, eta) in enumerate(self._noise(full)):
             found = self.noise.bad_probability(residuals[:, i], log_sigma, eta, self.data.sd[i])
             if found is None:
                 return None
@@ -220,18 +233,28 @@ class PinholeModel:
     def _log_sd(self) -> Array:
         return np.asarray(np.log(self.data.deviations).sum(axis=1))
 
-    def _noise(self, columns: Array) -> list[tuple[Array, Array, NDArray[np.bool_]]]:
-        """Give ln sigma, eta and whether sigma is within its bounds, of each axis."""
+    def _noise(self, columns: Array) -> list[tuple[Array, Array]]:
+        """Give ln sigma and eta of each axis."""
         at, q, out = self.geometry.dimension, self.noise.dimension, []
         for level in self.data.levels:
-            inside = np.ones(len(columns), dtype=bool)
             if level.value is None:
                 log_sigma = columns[:, at]
-                lower, upper = level.log_bounds
-                inside = (log_sigma >= lower) & (log_sigma <= upper)
+                if not self.gaussian:
+                    lower, upper = level.log_bounds
+                    log_sigma = lower + (upper - lower) * ndtr(log_sigma)
                 at += 1
             else:
                 log_sigma = np.full(len(columns), np.log(level.value))
-            out.append((log_sigma, columns[:, at : at + q], inside))
+            out.append((log_sigma, columns[:, at : at + q]))
             at += q
         return out
+
+    def _log_probit_prior(self, theta: Array) -> Array:
+        """Log prior of the inferred sigmas per unit of their probits, ``(n_draws,)``."""
+        at, total = self.geometry.dimension, np.zeros(len(theta))
+        for level in self.data.levels:
+            if level.value is None:
+                total += math.log(level.mass) - (theta[:, at] ** 2 + LOG_2PI) / 2
+                at += 1
+            at += self.noise.dimension
+        return total

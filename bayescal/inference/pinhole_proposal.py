@@ -15,12 +15,31 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array
+from bayescal.inference.estimate import EvidenceEstimate, from_weights
+from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_laplace import laplace
 from bayescal.models.priors import TAU_BOUNDS
 
 RUNGS = 10
+
+
+def weighted_evidence(
+    model: PinholeModel, rng: np.random.Generator, draws: int
+) -> EvidenceEstimate:
+    """Evidence from weighted draws of the ladder alone, without a chain.
+
+    Parameters
+    ----------
+    model : PinholeModel
+        With Gaussian noise.
+    rng : numpy.random.Generator
+    draws : int
+    """
+    proposal = mixture_about(*ladder(model))
+    theta = proposal.draw(rng, draws)
+    return from_weights(model.log_prob(theta) - proposal.log_density(theta))
 
 
 def ladder(model: PinholeModel) -> tuple[tuple[Mode, ...], Array]:

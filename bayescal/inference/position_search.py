@@ -44,7 +44,7 @@ def best_position(axes: Sequence[MovingAxis], prior: PositionPrior) -> Array:
     Array
         ``(3,)``, world units.
     """
-    found = [_climb(axes, prior, start) for start in _starts(axes, prior)]
+    found = [climb(axes, prior, start) for start in _starts(axes, prior)]
     return max(found, key=lambda pair: pair[1])[0]
 
 
@@ -65,7 +65,7 @@ def _possible(world: Array, prior: PositionPrior, position: Array) -> bool:
     return bool((np.sign(z - position[2]) == np.sign(z - prior.mean[2])).all())
 
 
-def _climb(
+def climb(
     axes: Sequence[MovingAxis], prior: PositionPrior, start: Array, *, weigh: bool = False
 ) -> tuple[Array, float]:
     """Climb by Gauss-Newton with halved steps; the position and its log likelihood.
@@ -165,7 +165,7 @@ def position_mode(model: FreePositionModel) -> Mode:
     evaluations where a search that knows nothing takes hundreds, and valleys a thousand times
     as long as wide are no trouble.
     """
-    place, _ = _climb(model.axes, model.prior, model.start, weigh=True)
+    place, _ = climb(model.axes, model.prior, model.start, weigh=True)
     _, slope = _stacked(model.axes, model.prior, place, weigh=True)
     _, d, vt = np.linalg.svd(slope * model.prior.sd, full_matrices=False)
     step = SHARE * vt.T / d

@@ -152,12 +152,16 @@ class RobustLinearModel:
         return np.concatenate([self._log_prob(part) for part in parts])
 
     def _log_prob(self, theta: Array) -> Array:
-        likelihood = self.log_likelihood(theta).sum(axis=1)
-        density: Array = likelihood + self.noise.log_prior(self.eta(theta))
-        if self.infers_sigma:
-            density += -(theta[:, self.size] ** 2 + LOG_2PI) / 2 + math.log(self.level.mass)
-        density += self._log_amplitude_prior(theta[:, : self.size])
+        density = self.log_likelihood(theta).sum(axis=1) + self.log_prior(theta)
         return np.where(np.isnan(density), -np.inf, density)
+
+    def log_prior(self, theta: Array) -> Array:
+        """Log prior per unit of theta, normalised, ``(n_draws,)``."""
+        density = self.noise.log_prior(self.eta(theta))
+        if self.infers_sigma:
+            normal = -(theta[:, self.size] ** 2 + LOG_2PI) / 2
+            density = density + normal + math.log(self.level.mass)
+        return np.asarray(density + self._log_amplitude_prior(theta[:, : self.size]))
 
     def _log_amplitude_prior(self, amplitudes: Array) -> Array:
         """Log prior of the amplitudes, an inferred tau integrated out, ``(n_draws,)``."""
@@ -213,9 +217,11 @@ class RobustLinearModel:
 
     def log_likelihood(self, full: Array) -> Array:
         """Log density of each pixel given the draws, ``(n_draws, n_points)``."""
-        return self.noise.log_density(
-            self.residuals(full), self.log_sigma(full), self.eta(full), self.sd
-        )
+        return self.log_density(self.residuals(full), full)
+
+    def log_density(self, residuals: Array, full: Array) -> Array:
+        """Log density of residuals ``(n_draws, n_points)`` given the draws, of their shape."""
+        return self.noise.log_density(residuals, self.log_sigma(full), self.eta(full), self.sd)
 
     def bad_probability(self, full: Array) -> Array | None:
         """Probability of each point to be bad, ``(n_draws, n_points)``; None without a notion."""

@@ -11,7 +11,7 @@ import numpy as np
 from emcee.autocorr import auto_window
 
 from bayescal.arrays import Array
-from bayescal.inference.arviz_bridge import Diagnostics, autocovariance, diagnose, rhat
+from bayescal.inference.arviz_bridge import Diagnostics, autocovariance, diagnose
 from bayescal.inference.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposal import Proposal
@@ -164,13 +164,11 @@ def judged(
         axis: R-hat is then that over the ensembles, each a chain of all its walkers.
     """
     columns = range(draws.shape[2])
-    diagnostics = tuple(diagnose(draws[:, :, j]) for j in columns)
+    merged = draws
     if ensembles is not None:
         walkers = draws.reshape(ensembles, -1, *draws.shape[1:])
         merged = walkers.swapaxes(1, 2).reshape(ensembles, -1, draws.shape[2])
-        diagnostics = tuple(
-            found._replace(rhat=rhat(merged[:, :, j])) for j, found in enumerate(diagnostics)
-        )
+    diagnostics = tuple(diagnose(draws[:, :, j], merged[:, :, j]) for j in columns)
     time = max(autocorrelation_time(draws[:, :, j]) for j in columns)
     enough = min(min(d.ess_bulk, d.ess_tail) for d in diagnostics) >= ess
     mixed = max(d.rhat for d in diagnostics) < RHAT_LIMIT

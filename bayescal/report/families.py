@@ -22,6 +22,7 @@ from bayescal.report.family_tables import (
 from bayescal.report.render import indented, laid_out
 from bayescal.rounding import significant
 
+NO_CRITERIA = "no AIC and BIC: under this noise the likelihood may have no maximum."
 NOT_SOUND = "NOT SOUND: some draws did not converge; see the caveats."
 
 
@@ -29,10 +30,12 @@ def families_view(found: FamilyComparison) -> RenderableType:
     """Everything that ``compare --family`` prints."""
     rows = listed(found)
     parts: list[RenderableType] = [_header(found), laid_out(models_table(found, rows))]
-    best = min(m.bic for m in found.models)
+    known = [m.bic for m in found.models if m.bic is not None]
+    criteria = NO_CRITERIA
+    if known:
+        criteria = f"dBIC above {min(known):.2f}, n counts points ({len(found.points)})."
     notes = [
-        f"K counts coefficients, inferred sigmas and a free position; dBIC above {best:.2f}, n "
-        f"counts points ({len(found.points)}).",
+        f"K counts what is inferred but tau; {criteria}",
         "elpd: leave-one-out, r and c of a point together; +- its standard error; d elpd against "
         "the best, with the paired one.",
     ]
@@ -49,9 +52,13 @@ def joint_fit_view(found: FamilyComparison) -> RenderableType:
     parts: list[RenderableType] = [_header(found)]
     error = significant(model.log_evidence_error, 1)
     evidence = f"{model.log_evidence:.3f} " + ("(closed form)" if model.exact else f"+- {error}")
+    criteria = NO_CRITERIA
+    if model.log_likelihood is not None:
+        criteria = (
+            f"ln L maximised {model.log_likelihood:.3f}, AIC {model.aic:.2f}, BIC {model.bic:.2f}"
+        )
     facts = [
-        f"{model.name}: K = {model.n_parameters}, ln L maximised {model.log_likelihood:.3f}, "
-        f"AIC {model.aic:.2f}, BIC {model.bic:.2f}",
+        f"{model.name}: K = {model.n_parameters}, {criteria}",
         f"ln evidence {evidence}"
         + ("" if model.elpd is None else f"; elpd {model.elpd:.1f} +- {model.elpd_se:.1f}"),
     ]

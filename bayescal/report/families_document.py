@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from importlib.resources import files
 from typing import Any
@@ -43,7 +44,7 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
             "noise": dict(zip(("r", "c"), found.noise, strict=True)),
             "priors": list(found.priors),
             "models": [
-                _model(m, chance)
+                _model(m, chance, found.points.labels)
                 for m, chance in zip(found.models, found.probabilities, strict=True)
             ],
         },
@@ -75,7 +76,7 @@ def families_schema() -> dict[str, Any]:
     return loaded
 
 
-def _model(model: JointModel, chance: float) -> dict[str, Any]:
+def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str, Any]:
     name = model.name
     return {
         "name": str(name),
@@ -95,6 +96,7 @@ def _model(model: JointModel, chance: float) -> dict[str, Any]:
         "elpd_reliable": None if model.elpd is None else model.elpd_reliable,
         "pareto_k_max": None if model.pareto_k is None else finite(model.pareto_k),
         "pareto_k_limit": model.k_limit,
+        "refitted": [labels[i] for i in model.refitted],
         "camera_position_mle": model.position.tolist(),
         "sampling": None if model.posterior is None else _sampling(model.posterior),
         "closed_form": _closed_form(model) if model.exact else None,

@@ -18,7 +18,8 @@ from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.models import bivariate
 from bayescal.points.setup import AXES
 from bayescal.report.grid import Cell, Column, Table, number_cell
-from bayescal.rounding import rounded, significant
+from bayescal.report.noise import shape_words
+from bayescal.rounding import counted, rounded, significant
 
 UNITS = {
     "focal": "px",
@@ -63,7 +64,9 @@ def header_lines(found: FamilyComparison) -> list[str]:
 
 def assumed_lines(found: FamilyComparison) -> list[tuple[str, str]]:
     """Noise and priors, named."""
-    pairs = [("noise", f"sigma of r {found.noise[0]}; sigma of c {found.noise[1]}")]
+    r, c = found.noise
+    shape = shape_words(found.settings.choice.model(1.0))
+    pairs = [("noise", f"{shape}; sigma of r {r}; sigma of c {c}")]
     pairs += [("prior", line) for line in found.priors]
     if any(m.name.family == PINHOLE for m in found.models):
         pairs.append(("distortion", f"radial, in {found.request.radial} powers of the radius"))
@@ -73,7 +76,8 @@ def assumed_lines(found: FamilyComparison) -> list[tuple[str, str]]:
 def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
     """One row for each model listed, the most probable first."""
     best = found.best
-    lowest_bic, lowest_aic = (min(getattr(m, k) for m in found.models) for k in ("bic", "aic"))
+    lowest_aic = min((m.aic for m in found.models if m.aic is not None), default=0.0)
+    lowest_bic = min((m.bic for m in found.models if m.bic is not None), default=0.0)
     columns = (
         Column("family"),
         Column("order", "of r and of c in the separable family; radial coefficients of a pinhole"),
@@ -99,8 +103,8 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
                 Cell(m.name.order, float(m.name.orders[0])),
                 Cell(m.name.position),
                 Cell(str(m.n_parameters), m.n_parameters),
-                Cell(f"{m.aic - lowest_aic:.1f}", m.aic),
-                Cell(f"{m.bic - lowest_bic:.1f}", m.bic),
+                number_cell(m.aic, lambda v: f"{v - lowest_aic:.1f}"),
+                number_cell(m.bic, lambda v: f"{v - lowest_bic:.1f}"),
                 Cell(f"{m.log_evidence:.2f}{flag}", m.log_evidence),
                 Cell(error_words(m.log_evidence_error), m.log_evidence_error),
                 Cell("" if m.elpd is None else f"{m.elpd:.1f}{doubt}", m.elpd),
@@ -248,6 +252,12 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
     notes = []
     if not all(m.sound for m in shown):
         notes.append("! marks an evidence that should not be trusted; the caveats say why.")
+    refits = sum(len(m.refitted) for m in shown)
+    if refits:
+        notes.append(
+            f"elpd: {counted(refits, 'term')} whose importance weights had too heavy a tail "
+            "(Pareto k not below 0.7) come from the evidence without the point."
+        )
     if not all(m.elpd_reliable for m in shown):
         notes.append(
             "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "

@@ -23,9 +23,9 @@ def noise_kind(axis: AxisComparison) -> str:
     return f"{words}{';' if axis.noise_model.parameters or own else ','} {own}sigma {level}"
 
 
-def shape_words(noise: NoiseModel, data: AxisData) -> str:
+def shape_words(noise: NoiseModel, data: AxisData | None = None) -> str:
     """Say what a noise model is, with its priors."""
-    unit = "units of y" if data.axis == "y" else "px"
+    unit = "units of y" if data is not None and data.axis == "y" else "px"
     if isinstance(noise, StudentT):
         return f"Student-t, nu {NU_PRIOR if noise.nu is None else f'= {noise.nu:g}'}"
     if isinstance(noise, OutlierMixture):

@@ -1,0 +1,176 @@
+"""Members of linear families under a noise model without a closed form.
+
+At the stated position r and c have nothing in common: each axis is sampled once for each of
+its orders, and pairs are made of independent draws. At a free position every pair is a model
+of its own: the most probable by Laplace's approximation is sampled, the others are weighed by
+draws of a proposal that is adapted alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache, partial
+
+import numpy as np
+from scipy.special import logsumexp
+
+from bayescal.arrays import frozen
+from bayescal.comparison.families import FREE, STATED, JointModel, ModelName
+from bayescal.comparison.psis import good_k
+from bayescal.errors import InputError
+from bayescal.family_members import (
+    Found,
+    finite,
+    from_posterior,
+    from_weights,
+    judged_model,
+    random_numbers,
+    shortened,
+)
+from bayescal.family_models import Axis, Wanted, check_free, moving_axes, orders_of
+from bayescal.inference.adaptation import adapt, effective_fraction
+from bayescal.inference.arviz_bridge import psis_loo
+from bayescal.inference.optimum import Mode, find_modes
+from bayescal.inference.robust_linear import RobustLinearModel
+from bayescal.inference.robust_pair import RobustPair, paired
+from bayescal.inference.robust_position import RobustFreePosition
+from bayescal.inference.sampled_posterior import FITTED, SampledPosterior, sample_model
+from bayescal.inference.weighting import WeightedDraws, weigh
+from bayescal.models.camera_prior import position_prior
+from bayescal.points.correspondences import Correspondences
+from bayescal.settings import Settings
+from bayescal.sources import DrawsSource
+
+# Draws that a pair of orders at a free position is weighed by, where it is not sampled.
+ADAPTED_DRAWS = 4000
+TRIES = 3
+
+
+def stated_robust(
+    family: str,
+    axes: tuple[Axis, Axis],
+    orders: Wanted,
+    points: Correspondences,
+    settings: Settings,
+    source: DrawsSource,
+) -> list[JointModel]:
+    """Models at the stated position: products of two axes, each sampled."""
+    models = [
+        {k: _axis_model(axis, k, settings) for k in orders_of(orders, i)}
+        for i, axis in enumerate(axes)
+    ]
+
+    @cache
+    def posterior(i: int, order: int) -> SampledPosterior:
+        """Sample an axis; never called where a run has kept the pairs."""
+        rng = random_numbers(settings, family, (2 + i, order))
+        return sample_model(models[i][order], rng, settings.ess)
+
+    out = []
+    for named, k, m in orders:
+        pair, name = RobustPair((models[0][k], models[1][m])), ModelName(family, named, STATED)
+
+        def sample(k: int = k, m: int = m, pair: RobustPair = pair) -> SampledPosterior:
+            return paired(posterior(0, k), posterior(1, m), pair)
+
+        found = _from_pair(source.sampled(name.key, pair, sample))
+        place = frozen(points.setup.position)
+        out.append(judged_model(name, _count(pair.names), None, len(points), found, place))
+    return out
+
+
+def _axis_model(axis: Axis, order: int, settings: Settings) -> RobustLinearModel:
+    axis.data.check(order)
+    prior = axis.rule.of_degrees(axis.data.degrees(order))
+    shape = settings.noise_model(axis.data)
+    return RobustLinearModel.of_order(axis.data, order, axis.noise, prior, shape)
+
+
+def _count(names: tuple[str, ...]) -> int:
+    """K: everything inferred but tau, a hyperparameter."""
+    return sum(not name.startswith("tau") for name in names)
+
+
+def _from_pair(posterior: SampledPosterior) -> Found:
+    """Evidence and leave-one-out of two independent axes: the sum of theirs."""
+    pair = posterior.model
+    assert isinstance(pair, RobustPair), "it was built as one"
+    kept = shortened(posterior)
+    loos = [psis_loo(likelihood.T) for likelihood in pair.log_likelihoods(kept)]
+    pointwise = np.sum([loo[0] for loo in loos], axis=0)
+    shape = max(float(loo[2].max()) for loo in loos)
+    value, error = posterior.log_evidence, posterior.log_evidence_error
+    return Found(value, error, finite(pointwise), shape, good_k(len(kept)), posterior)
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidate:
+    """A pair of orders at a free position, before its draws."""
+
+    name: ModelName
+    model: RobustFreePosition
+    modes: tuple[Mode, ...]
+
+    @property
+    def log_mass(self) -> float:
+        """Laplace's approximation of the log evidence."""
+        return float(logsumexp([mode.log_mass for mode in self.modes]))
+
+
+def free_robust(
+    family: str,
+    axes: tuple[Axis, Axis],
+    orders: Wanted,
+    points: Correspondences,
+    settings: Settings,
+    source: DrawsSource,
+) -> list[JointModel]:
+    """Models at a free position: the best is sampled, the others are weighed."""
+    check_free(axes, orders, points)
+    candidates = [_candidate(family, axes, wanted, points, settings) for wanted in orders]
+    best = max(candidates, key=lambda c: c.log_mass)
+    out = []
+    for made in candidates:
+        key, model = made.name.key, made.model
+        rng = random_numbers(settings, family, (1, *made.name.orders))
+        if made is best:
+            sample = partial(sample_model, model, rng, settings.ess)
+            found = from_posterior(source.sampled(key, model, sample))
+        else:
+            draw = partial(_weighed, made, rng)
+            found = from_weights(model, source.weighted(key, model, draw))
+        place = frozen(model.position(made.modes[0].theta[None])[0])
+        out.append(judged_model(made.name, _count(model.names), None, len(points), found, place))
+    return out
+
+
+def _candidate(
+    family: str,
+    axes: tuple[Axis, Axis],
+    wanted: tuple[tuple[int, ...], int, int],
+    points: Correspondences,
+    settings: Settings,
+) -> _Candidate:
+    named, k, m = wanted
+    r, c = (_axis_model(axis, order, settings) for axis, order in zip(axes, (k, m), strict=True))
+    moving = moving_axes(points, axes, (k, m))
+    model = RobustFreePosition.of((r, c), moving, position_prior(points))
+    modes = find_modes(model.log_prob, model.starts())
+    if not modes:
+        raise InputError(
+            f"{points.source}: no position in front of the points has a likelihood for "
+            f"{family} {named}; check the camera position of the setup"
+        )
+    return _Candidate(ModelName(family, named, FREE), model, modes)
+
+
+def _weighed(made: _Candidate, rng: np.random.Generator) -> WeightedDraws:
+    """Weigh draws of an adapted proposal, of the best of a few where they fit badly."""
+    found: list[tuple[float, WeightedDraws]] = []
+    for _ in range(TRIES):
+        proposal = adapt(made.model.log_prob, made.modes, rng).proposal
+        draws = weigh(made.model, proposal, rng, ADAPTED_DRAWS)
+        found.append((effective_fraction(draws.log_weights), draws))
+        if found[-1][0] > FITTED:
+            break
+    return max(found, key=lambda pair: pair[0])[1]
