@@ -39,7 +39,7 @@ def test_saved_again_every_file_is_the_same(families_run: Path, tmp_path: Path) 
         assert (tmp_path / "again" / name).read_bytes() == (families_run / name).read_bytes()
 
 
-def test_nothing_is_drawn(families_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_sampled_or_weighed(families_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("something was drawn")
 

@@ -123,7 +123,10 @@ def embedded(figure: Figure, dpi: float | None = None) -> str:
         if len(lines) <= LARGEST_SVG:
             return _uri("svg+xml", lines)
     with Image.open(io.BytesIO(figure_bytes(figure, "png", dpi or DPI))) as image:
-        few = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        # Maximum coverage keeps colours that are rare, such as a frame's.
+        few = image.convert("RGB").quantize(
+            COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+        )
     stream = io.BytesIO()
     few.save(stream, "png", optimize=True)
     return _uri("png", stream.getvalue())
