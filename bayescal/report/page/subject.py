@@ -21,7 +21,7 @@ from bayescal.report.page.blocks import Block, Part, Picture, Prose
 
 # A figure is drawn as lines (SVG) unless it is so crowded that this many bytes do not hold it.
 LARGEST_SVG = 100_000
-DPI, COLOURS = 150, 64
+DPI, COLOURS = 150, 256
 CSS_PX = 100  # an inch of a figure on the page
 
 
