@@ -127,7 +127,8 @@ def _compare_axis(
     factors = factorise(data, orders[-1])
     priors = {k: rule.of_order(k) for k in orders}
     fits = {k: solve(factors, k, noise.value) for k in orders}
-    check_resolved(data, noise, fits[orders[-1]])
+    where, rss = f"{data.source}: axis {data.axis}", fits[orders[-1]].rss
+    check_resolved(where, noise, rss, len(data), orders[-1])
     if settings.choice.robust:
         from bayescal.robust_analysis import compare_robustly
 

@@ -233,9 +233,12 @@ def pinhole_members(
     source: DrawsSource,
 ) -> list[JointModel]:
     """Sample the pinhole of each order at one kind of position."""
+    fitted = [
+        (k, pinhole_model(points, k, position, request.radial, levels.data, settings))
+        for k in request.radial_orders
+    ]  # what can't be fitted is refused before anything is sampled
     out = []
-    for k in request.radial_orders:
-        model = pinhole_model(points, k, position, request.radial, levels.data, settings)
+    for k, model in fitted:
         name = ModelName(PINHOLE, (k,), position)
         sample = partial(_sample_pinhole, model, _rng(settings, name), settings.ess)
         posterior = source.sampled(name.key, model, sample)

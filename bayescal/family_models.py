@@ -26,7 +26,7 @@ from bayescal.models.pinhole import PinholeGeometry, Radial
 from bayescal.models.priors import PriorRule
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
-from bayescal.settings import Settings, noise_level, prior_rule
+from bayescal.settings import Settings, check_resolved, noise_level, prior_rule
 
 LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
 Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
@@ -185,5 +185,7 @@ def pinhole_model(
         points.world, prior.orientation, prior.half_diagonal, order, radial, fixed
     )
     fit: PinholeFit = fit_pinhole(points, geometry, prior, data)
+    for axis, level, rss in zip(AXES, data.levels, fit.rss.tolist(), strict=True):
+        check_resolved(f"{points.source}: axis {axis}", level, rss, data.n, order)
     choice = NoiseChoice(settings.noise, settings.nu, settings.bad_offset)
     return PinholeModel.of(geometry, prior, data, fit, choice.model(1.0))

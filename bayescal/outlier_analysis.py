@@ -114,7 +114,8 @@ def _axis(
 ) -> AxisOutliers:
     data, level, words = chosen
     factors = factorise(data, orders[-1])
-    check_resolved(data, level, solve(factors, orders[-1], level.value))
+    where, highest = f"{data.source}: axis {data.axis}", solve(factors, orders[-1], level.value)
+    check_resolved(where, level, highest.rss, len(data), orders[-1])
     exact = {
         k: exact_posterior(LinearModel(factors, k, level, rule.of_order(k), data.symbol))
         for k in orders

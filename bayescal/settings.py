@@ -13,7 +13,6 @@ from bayescal.arrays import Array
 from bayescal.comparison.adequacy.replicates import pure_error
 from bayescal.errors import InputError
 from bayescal.inference.effective_variance import with_effective_deviations
-from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.models.linear import AxisData
 from bayescal.models.noise.choice import TYPICAL_SIZE, NoiseChoice
 from bayescal.models.noise.level import SPAN_BOUNDS, NoiseLevel
@@ -222,19 +221,28 @@ def _check_known(data: AxisData, sigma: float) -> None:
         raise InputError(f"sigma must be from {low:.3g} to {high:.3g}{unit}, not {sigma:g}")
 
 
-def check_resolved(data: AxisData, noise: NoiseLevel, highest: LeastSquaresFit) -> None:
+def check_resolved(where: str, noise: NoiseLevel, rss: float, n: int, order: int) -> None:
     """Refuse deviations so far below the residuals that rounding hides the likelihood.
+
+    Parameters
+    ----------
+    where : str
+        The data and their axis, for the message.
+    noise : NoiseLevel
+    rss : float
+        Weighted sum of squares of the highest order, of `n` points.
+    n, order : int
 
     Raises
     ------
     InputError
         Where chi-squared of the highest order is above 1e12.
     """
-    if noise.value is not None and highest.rss / noise.value**2 > LARGEST_CHI2:
-        times = math.sqrt(highest.rss / len(data)) / noise.value
+    if noise.value is not None and rss / noise.value**2 > LARGEST_CHI2:
+        times = math.sqrt(rss / n) / noise.value
         raise InputError(
-            f"{data.source}: axis {data.axis}: the known deviations are {times:.0e} times smaller "
-            f"than the residuals of order {highest.order}: no double tells such likelihoods apart; "
+            f"{where}: the known deviations are {times:.0e} times smaller "
+            f"than the residuals of order {order}: no double tells such likelihoods apart; "
             "check their unit"
         )
 

@@ -65,6 +65,8 @@ def test_the_same_seed_gives_the_same_bytes(capsys):
         (["compare", "--family", "pinhole", "--defend"], "drop --defend"),
         (["compare", "--family", "pinhole", "--no-c-from-bottom"], "mirrored world"),
         (["compare", "--family", "bivariate", "--orders", "10"], "the highest order that works"),
+        (["compare", "--family", "pinhole", "--tau", "0"], "tau must be from 1e-09"),
+        (["compare", "--family", "pinhole", "--sigma", "2e-6"], "check their unit"),
         (["fit", "--family", "pinhole"], "give --order of the pinhole family"),
         (["fit", "--position", "free", "--order-r", "4"], "give --order-r and --order-c"),
         (["fit", "--family", "pinhole", "--order", "-1"], "order -1 is out of range"),

@@ -107,7 +107,7 @@ def psis_loo(log_likelihood: Array) -> tuple[Array, Array, Array]:
     from arviz_stats.base import array_stats
 
     # Where all weights of a tail are alike to rounding, its shape is no number: bad.
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         log_weights, pareto_k = array_stats.psislw(log_likelihood, axis=-1)
     log_weights = log_weights - logsumexp(log_weights, axis=-1, keepdims=True)
     elpd = np.asarray(logsumexp(log_weights + log_likelihood, axis=-1))
@@ -134,8 +134,11 @@ def pareto_shape(log_weights: Array) -> float:
 
     # psislw smooths 1 / likelihood: the weights it is given are negated logs.
     finite = np.maximum(log_weights, log_weights.max() - 700.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        _, shape = array_stats.psislw(-finite, axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        try:
+            _, shape = array_stats.psislw(-finite, axis=-1)
+        except ValueError:  # all values of the tail are the same
+            return np.inf
     k = float(np.asarray(shape))
     return k if np.isfinite(k) else np.inf
 

@@ -20,7 +20,7 @@ import numpy as np
 from bayescal.arrays import Array, frozen
 from bayescal.models.linear import pixel_span
 from bayescal.models.pinhole import POSE, PinholeGeometry, rotations
-from bayescal.models.priors import TAU_BOUNDS
+from bayescal.models.priors import TAU_BOUNDS, check_tau
 from bayescal.models.strength import Strength
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
@@ -197,7 +197,14 @@ def pinhole_prior(points: Correspondences, tau: float | None = None) -> PinholeP
     points : Correspondences
     tau : float, optional
         Fixes the distortion's strength, as a fraction of the image's width.
+
+    Raises
+    ------
+    InputError
+        Where `tau` is not from 1e-9 to 1e9.
     """
+    if tau is not None:
+        check_tau(tau)
     setup, camera = points.setup, points.setup.camera
     sizes, middles = [], []
     for axis in AXES:

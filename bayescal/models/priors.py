@@ -25,6 +25,18 @@ TAU_BOUNDS = (0.001, 0.5)
 FIXED_TAU = (1e-9, 1e9)
 
 
+def check_tau(tau: float) -> None:
+    """Refuse a fixed strength that leaves no distortion, or no prior.
+
+    Raises
+    ------
+    InputError
+    """
+    low, high = FIXED_TAU
+    if not low <= tau <= high:
+        raise InputError(f"tau must be from {low:g} to {high:g} of the image, not {tau:g}")
+
+
 @dataclass(frozen=True, eq=False)
 class CoefficientPrior:
     """Independent normal priors of the amplitudes b_0 ... b_k, or a flat one.
@@ -121,11 +133,7 @@ class PriorRule:
         if self.tau is not None:
             if self.name != "field":
                 raise InputError(f"tau belongs to the field prior; the prior here is {self.name}")
-            if not FIXED_TAU[0] <= self.tau <= FIXED_TAU[1]:
-                raise InputError(
-                    f"tau must be from {FIXED_TAU[0]:g} to {FIXED_TAU[1]:g} of the image, not "
-                    f"{self.tau:g}"
-                )
+            check_tau(self.tau)
 
     def of_order(self, order: int) -> CoefficientPrior:
         """Prior of the amplitudes of one order of a polynomial of one regressor.
