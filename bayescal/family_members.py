@@ -33,16 +33,19 @@ from bayescal.family_models import (
     orders_of,
     pinhole_model,
 )
+from bayescal.inference.adaptation import adapt
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import ExactPosterior, exact_posterior
 from bayescal.inference.estimate import EvidenceEstimate
 from bayescal.inference.estimate import from_weights as evidence_of
 from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.optimum import Mode
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.position_search import position_mode
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
+from bayescal.inference.t_mixture import TMixture
 from bayescal.inference.weighting import WeightedDraws, weigh
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import Settings
@@ -133,11 +136,22 @@ def free_members(
             sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
             found = from_posterior(source.sampled(name.key, model, sample))
         else:
-            draw = partial(weigh, model, proposal, rng, WEIGHTED_DRAWS)
+            draw = partial(_weighed, model, mode, proposal, rng)
             found = from_weights(model, source.weighted(name.key, model, draw))
         start = model.start
         out.append(judged_model(name, count, likelihood, len(points), found, start))
     return out
+
+
+def _weighed(
+    model: SampledModel, mode: Mode, proposal: TMixture, rng: np.random.Generator
+) -> WeightedDraws:
+    """Weigh draws of Laplace's approximation; where they can't be trusted, of an adapted one."""
+    draws = weigh(model, proposal, rng, WEIGHTED_DRAWS)
+    if evidence_of(draws.log_weights).certain:
+        return draws
+    adapted = adapt(model.log_prob, (mode,), rng).proposal
+    return weigh(model, adapted, rng, POSITION_DRAWS)
 
 
 @dataclass(frozen=True, eq=False)
