@@ -16,9 +16,8 @@ from bayescal.comparison.families import (
     FamilyComparison,
     FamilyRequest,
     JointModel,
-    judge_families,
-    model_probabilities,
 )
+from bayescal.comparison.family_verdict import judge_families, model_probabilities
 from bayescal.errors import InputError
 from bayescal.family_members import Progress, free_members, pinhole_members, stated_members
 from bayescal.family_models import (

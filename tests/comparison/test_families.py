@@ -11,9 +11,8 @@ import bayescal as bc
 from bayescal.comparison.families import (
     JointModel,
     ModelName,
-    judge_families,
-    model_probabilities,
 )
+from bayescal.comparison.family_verdict import judge_families, model_probabilities
 from bayescal.comparison.weak import weak_combinations
 from bayescal.errors import InputError
 from bayescal.models.camera_prior import position_prior
