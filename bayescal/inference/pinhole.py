@@ -12,7 +12,7 @@ from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
-from bayescal.inference.pinhole_laplace import Normal, laplace
+from bayescal.inference.pinhole_laplace import Normal, laplace, likely_start
 from bayescal.models.camera_prior import PinholePrior
 from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.model import NoiseModel
@@ -66,7 +66,8 @@ class PinholeModel:
     ) -> PinholeModel:
         """Whiten about the most probable parameters at the prior's strength, or a middling one."""
         tau = prior.tau if prior.tau is not None else FRAME_TAU
-        frame = laplace(geometry, prior, data, fit.free, tau)
+        start = likely_start(geometry, prior, data, fit.free, tau)
+        frame = laplace(geometry, prior, data, start, tau)
         return cls(geometry, prior, data, fit, frame, noise if noise is not None else Gaussian())
 
     def without(self, point: int) -> PinholeModel:

@@ -70,6 +70,21 @@ def laplace(
     return Normal(frozen(free), frozen(_root_of_inverse(precision)))
 
 
+def likely_start(
+    geometry: PinholeGeometry, prior: PinholePrior, data: JointData, fitted: Array, tau: float
+) -> Array:
+    """Where to climb from: the fit, or the prior's own camera where that is more probable.
+
+    A pinhole that can't follow the pixels may fit best with a focal length of nothing, at
+    which no posterior can be climbed.
+    """
+    theta = np.zeros((1, POSE + geometry.order))
+    theta[0, :2], theta[0, 2:4] = math.log(prior.focal), prior.centre
+    expected = geometry.free(geometry.to_anchor(theta, prior.position.mean))[0]
+    values = [_value(geometry, prior, data, free, tau) for free in (fitted, expected)]
+    return expected if values[1] > values[0] else fitted
+
+
 def _value(
     geometry: PinholeGeometry, prior: PinholePrior, data: JointData, free: Array, tau: float
 ) -> float:

@@ -64,7 +64,7 @@ def ladder(model: PinholeModel) -> tuple[tuple[Mode, ...], Array]:
         rungs = np.exp((edges[1:] + edges[:-1]) / 2).tolist()
     else:
         rungs = [prior.tau if prior.tau is not None else 1.0]
-    modes, start = [], model.fit.free
+    modes, start = [], frame.mean
     for tau in rungs[::-1]:
         found = laplace(model.geometry, prior, model.data, start, tau)
         fixed = replace(model, prior=replace(prior, tau=tau))

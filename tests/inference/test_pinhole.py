@@ -13,6 +13,7 @@ from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.student_t import StudentT
+from scripts.validate_families import model_of, simulated
 from tests.cameras import TURNED, problem, turned_points
 
 
@@ -137,3 +138,14 @@ def test_pixels_without_noise_put_sigma_at_its_lower_bound():
     for name, value in zip("xyz", truth["position"], strict=True):
         place = found[f"position_{name}"]
         assert place.mean == pytest.approx(value, abs=4 * place.sd)
+
+
+def test_pixels_that_a_pinhole_fits_best_with_no_focal_length_are_judged():
+    """A lens that folds its image: without distortion c is best explained by a constant."""
+    points, _, _ = simulated(1, 1085)
+    folded, right = model_of(points, 0), model_of(points, 1)
+    assert folded.fit.free[1] < np.log(1e-6), "the likelihood's focal length of c"
+    found = sampled(folded, ess=400)
+    assert found.converged
+    assert found["focal_c"].interval[0] > 1, "px: the prior holds it, far from the likelihood's"
+    assert sampled(right, ess=400).log_evidence > found.log_evidence + 1000
