@@ -205,7 +205,7 @@ def orders(sets: int) -> Iterator[str]:
             true += [k == order for k in ORDERS]
     p, hit = np.array(given), np.array(true, dtype=float)
     yield from (
-        f"{len(p) // len(ORDERS)} cameras as above, a third of each order from {ORDERS[0]} to "
+        f"{len(p) // len(ORDERS)} cameras as below, a third of each order from {ORDERS[0]} to "
         f"{ORDERS[-1]}; the evidence of each order by importance sampling. The most",
         f"probable order is the true one {right} times.",
         "",

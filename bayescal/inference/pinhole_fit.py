@@ -22,7 +22,8 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 
 LOG_2PI = math.log(2 * math.pi)
-MOST_ROUNDS = 100
+# A climb that takes more creeps along a valley, of a lens that folds its image for one.
+MOST_ROUNDS, MOST_EVALUATIONS = 30, 200
 TOLERANCE = 1e-12  # of the log likelihood, relative
 # ln L by which a mirrored world must fit better to say that an axis is mirrored.
 MIRRORED = 10.0
@@ -237,8 +238,9 @@ def _minimise(geometry: PinholeGeometry, t: Array, weight: Array, start: Array) 
         return np.nan_to_num(slopes, posinf=0.0, neginf=0.0).reshape(-1, geometry.dimension)
 
     found = least_squares(
-        residuals, start, jacobian, method="lm", x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14
-    )
+        residuals, start, jacobian, method="lm", x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14,
+        max_nfev=MOST_EVALUATIONS,
+    )  # fmt: skip
     return np.asarray(found.x)
 
 
