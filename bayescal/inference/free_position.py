@@ -62,17 +62,11 @@ class FreePositionModel:
         """Camera positions of sampled coordinates, ``(n_draws, 3)``, world units."""
         return self.start + theta[:, :3] * self.prior.sd
 
-    def possible(self, position: Array) -> Array:
-        """Whether every point stays on the side of the camera it is stated to be on."""
-        z = self.axes[0].world[:, 2]
-        stated = np.sign(z - self.prior.mean[2])
-        return np.asarray((np.sign(z - position[:, 2:]) == stated).all(axis=1))
-
     def log_prob(self, theta: Array) -> Array:
         """Log evidence of both axes at a position, times its prior, ``(n_draws,)``."""
         position = self.position(theta)
         out = np.full(len(theta), -np.inf)
-        inside = np.flatnonzero(self.possible(position))
+        inside = np.flatnonzero(self.prior.possible(self.axes[0].world, position))
         step = max(1, CHUNK // (len(self.axes[0].world) * (self.axes[0].size + 1)))
         for first in range(0, len(inside), step):
             part = inside[first : first + step]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
@@ -147,9 +145,7 @@ class PinholeModel:
         columns = [np.repeat(free, len(eta), axis=0)]
         for level, sigma in zip(self.data.levels, self.fit.sigma.tolist(), strict=True):
             if level.bounds is not None:
-                lower, upper = level.log_bounds
-                share = (math.log(max(0.7 * sigma, math.exp(lower))) - lower) / (upper - lower)
-                columns.append(np.full((len(eta), 1), ndtri(min(max(share, 0.001), 0.99))))
+                columns.append(np.full((len(eta), 1), level.probit(0.7 * sigma, 0.001)))
             columns.append(eta)
         return np.concatenate(columns, axis=1)
 
@@ -239,10 +235,9 @@ class PinholeModel:
         at, q, out = self.geometry.dimension, self.noise.dimension, []
         for level in self.data.levels:
             if level.value is None:
-                log_sigma = columns[:, at]
+                log_sigma = columns[:, at]  # as `complete` draws it, else a probit
                 if not self.gaussian:
-                    lower, upper = level.log_bounds
-                    log_sigma = lower + (upper - lower) * ndtr(log_sigma)
+                    log_sigma = level.log_sigma(log_sigma)
                 at += 1
             else:
                 log_sigma = np.full(len(columns), np.log(level.value))
@@ -255,7 +250,7 @@ class PinholeModel:
         at, total = self.geometry.dimension, np.zeros(len(theta))
         for level in self.data.levels:
             if level.value is None:
-                total += math.log(level.mass) - (theta[:, at] ** 2 + LOG_2PI) / 2
+                total += level.log_probit_prior(theta[:, at])
                 at += 1
             at += self.noise.dimension
         return total

@@ -56,13 +56,7 @@ def _starts(axes: Sequence[MovingAxis], prior: PositionPrior) -> list[Array]:
     camera = direct_linear(world, np.column_stack([a.data.t for a in axes]))
     if camera is not None:
         out.append(camera.position)
-    return [start for start in out if _possible(world, prior, start)]
-
-
-def _possible(world: Array, prior: PositionPrior, position: Array) -> bool:
-    """Whether every point stays on the side of the camera it is stated to be on."""
-    z = world[:, 2]
-    return bool((np.sign(z - position[2]) == np.sign(z - prior.mean[2])).all())
+    return [start for start in out if prior.possible(world, start[None])[0]]
 
 
 def climb(
@@ -81,7 +75,7 @@ def climb(
         gain = 0.0
         for halving in range(HALVINGS):
             trial = position + step * 0.5**halving
-            if _possible(axes[0].world, prior, trial):
+            if prior.possible(axes[0].world, trial[None])[0]:
                 reached = _height(axes, prior, trial, weigh=weigh)
                 if reached > value:
                     position, gain, value = trial, reached - value, reached

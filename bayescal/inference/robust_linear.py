@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
@@ -133,8 +132,7 @@ class RobustLinearModel:
         """Log of sigma (or of the scale) at each draw, ``(n_draws,)``."""
         if self.level.value is not None:
             return np.full(len(theta), math.log(self.level.value))
-        lower, upper = self.level.log_bounds
-        return np.asarray(lower + (upper - lower) * ndtr(theta[:, self.size]))
+        return self.level.log_sigma(theta[:, self.size])
 
     def eta(self, theta: Array) -> Array:
         """Coordinates of the noise model at each draw, ``(n_draws, noise.dimension)``."""
@@ -159,8 +157,7 @@ class RobustLinearModel:
         """Log prior per unit of theta, normalised, ``(n_draws,)``."""
         density = self.noise.log_prior(self.eta(theta))
         if self.infers_sigma:
-            normal = -(theta[:, self.size] ** 2 + LOG_2PI) / 2
-            density = density + normal + math.log(self.level.mass)
+            density = density + self.level.log_probit_prior(theta[:, self.size])
         return np.asarray(density + self._log_amplitude_prior(theta[:, : self.size]))
 
     def _log_amplitude_prior(self, amplitudes: Array) -> Array:
@@ -192,9 +189,7 @@ class RobustLinearModel:
         amplitudes, scale = fit
         if not self.infers_sigma:
             return np.concatenate([amplitudes, eta])
-        lower, upper = self.level.log_bounds
-        share = (math.log(max(scale, math.exp(lower))) - lower) / (upper - lower)
-        return np.array([*amplitudes, ndtri(min(max(share, 0.01), 0.99)), *eta])
+        return np.array([*amplitudes, self.level.probit(scale, 0.01), *eta])
 
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:
         """Append ln tau, drawn given the amplitudes, where tau is inferred."""

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bayescal.arrays import Array, frozen
 from bayescal.inference.moving_axis import MovingAxis
@@ -117,7 +116,7 @@ class RobustFreePosition:
         return np.concatenate([self._log_prob(part) for part in parts])
 
     def _log_prob(self, theta: Array) -> Array:
-        possible = self._possible(theta)
+        possible = self.prior.possible(self.moving[0].world, self.position(theta))
         out = np.full(len(theta), -np.inf)
         inside = theta[possible]
         total = self.prior.log_density(self.position(inside)) + np.log(self.prior.sd).sum()
@@ -176,14 +175,6 @@ class RobustFreePosition:
             residuals = axis.t - np.einsum("mnp,mp->mn", design, amplitudes)
             out.append((residuals, np.concatenate([amplitudes, part[:, axis.size :]], axis=1)))
         return out
-
-    def _possible(self, theta: Array) -> NDArray[np.bool_]:
-        """Whether every point stays on the side of the camera it is stated to be on."""
-        z = self.moving[0].world[:, 2]
-        stated = np.sign(z - self.prior.mean[2])
-        here = np.sign(z - self.position(theta)[:, 2:])
-        possible: NDArray[np.bool_] = np.asarray((here == stated).all(axis=1))
-        return possible
 
 
 def robust_position(

@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bayescal.arrays import Array, frozen
 from bayescal.models.linear import pixel_span
@@ -47,6 +48,25 @@ class PositionPrior:
     mean: Array
     sd: Array
     stated: bool
+
+    def possible(self, world: Array, position: Array) -> NDArray[np.bool_]:
+        """Whether every world point stays on the side of the camera it is stated to be on.
+
+        Parameters
+        ----------
+        world : Array
+            ``(n_points, 3)``, world units.
+        position : Array
+            ``(n_draws, 3)``.
+
+        Returns
+        -------
+        ndarray of bool
+            ``(n_draws,)``.
+        """
+        z = world[:, 2]
+        sides = np.sign(z - position[:, 2:]) == np.sign(z - self.mean[2])
+        return np.asarray(sides.all(axis=1))
 
     def log_density(self, position: Array) -> Array:
         """Log density per cubic world unit, ``(n_draws,)`` of ``(n_draws, 3)``."""

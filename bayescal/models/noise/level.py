@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
@@ -119,3 +120,21 @@ class NoiseLevel:
             return 0.0
         lower, upper = self.log_bounds
         return math.log(self.mass / (upper - lower))
+
+    # Samplers see an inferred sigma as the probit of where its logarithm lies between the
+    # bounds: a coordinate without edges, under whose prior it is a standard normal.
+
+    def log_sigma(self, probit: Array) -> Array:
+        """Log of an inferred sigma at probits, of their shape."""
+        lower, upper = self.log_bounds
+        return np.asarray(lower + (upper - lower) * ndtr(probit))
+
+    def probit(self, sigma: float, least: float) -> float:
+        """Probit of a sigma, px, kept off the bounds: from the share `least` of their distance."""
+        lower, upper = self.log_bounds
+        share = (math.log(max(sigma, math.exp(lower))) - lower) / (upper - lower)
+        return float(ndtri(min(max(share, least), 0.99)))
+
+    def log_probit_prior(self, probit: Array) -> Array:
+        """Log prior density per unit of the probit, of its shape."""
+        return np.asarray(math.log(self.mass) - (probit**2 + math.log(2 * math.pi)) / 2)

@@ -15,6 +15,7 @@ from bayescal.report.figures.style import VERMILLION, WIDTH
 
 RANGE = 20.0  # nat below the highest at which cells are white
 ROW, ROOM = 0.3, 0.62  # inches: of a row of cells, of what stands around a panel
+BAR = 0.75  # inches: of the colour bar below
 ROOMY = 0.4  # inches: the narrowest cell with its number in it
 NAMED = 4
 
@@ -26,7 +27,7 @@ def draw(found: FamilyComparison) -> Figure:
     grids = {f: _grid([m for m in found.models if m.name.family == f]) for f in families}
     heights = [ROW * len(rows) + ROOM for rows, _ in grids.values()]
     across = max(len(columns) for _, columns in grids.values())
-    figure = Figure(figsize=(WIDTH, sum(heights) + 0.2), layout="constrained")
+    figure = Figure(figsize=(WIDTH, sum(heights) + BAR), layout="constrained")
     panels = figure.subplots(len(families), len(positions), squeeze=False, height_ratios=heights)
     write = 0.84 * WIDTH / len(positions) / across > ROOMY
     mesh = None
@@ -41,7 +42,8 @@ def draw(found: FamilyComparison) -> Figure:
             panel.set_xlim(-0.5, across - 0.5)
             panel.set_title(f"{family}, position {position}", loc="left")
     assert mesh is not None, "some model was compared"
-    bar = figure.colorbar(mesh, ax=panels, extend="min", fraction=0.03, pad=0.015, aspect=30)
+    # Below the panels, where its label fits however few rows there are.
+    bar = figure.colorbar(mesh, ax=panels, extend="min", location="bottom", shrink=0.5, aspect=40)
     bar.set_ticks([0, -5, -10, -15, -20])
     bar.set_label("ln evidence less the highest [nat]")
     return figure
