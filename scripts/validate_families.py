@@ -1,6 +1,7 @@
 """Validate the pinhole where a test would be too slow; each part is a section of Markdown.
 
-nested     evidence against dynesty (random walks, 1000 live points) on two data sets
+nested     evidence against dynesty (random walks, 1000 live points)
+robust     acceptance, effective samples and evidence over ten seeds under robust noise
 sbc        ranks of the truth among the draws over cameras drawn from the prior
 orders     how often orders to which a probability is given are the true ones
 """
@@ -15,7 +16,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from scipy.special import ndtri, softmax
+from scipy.special import softmax
 from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -29,16 +30,17 @@ from bayescal.inference.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.models.camera_prior import PinholePrior, pinhole_prior
 from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.pinhole import POSE, PinholeGeometry
+from bayescal.models.pinhole import PinholeGeometry
 from bayescal.models.priors import TAU_BOUNDS
 from bayescal.points.camera import StatedCamera
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import Setup
+from scripts.nested_cameras import LIVE, nested_evidence
 from scripts.ranks import DRAWS, holm, p_values, ranks
+from scripts.robust_cameras import robust, robust_model
 from scripts.sections import publish
 from tests.cameras import problem
 
-LIVE = 1000
 SETS = 128
 BINS = 8
 ORDERS = (0, 1, 2)
@@ -67,67 +69,34 @@ def sampled(model: PinholeModel, seed: int, ess: int) -> SampledPosterior:
     return sample_model(model, np.random.default_rng(seed), ess, guess)
 
 
-def from_cube(model: PinholeModel) -> Callable[[Array], Array]:
-    """Map the unit cube to all coordinates by the prior, tau a coordinate of its own."""
-    prior, geometry = model.prior, model.geometry
-    low, high = (math.log(b) for b in TAU_BOUNDS)
-
-    def transform(u: Array) -> Array:
-        z = ndtri(u)
-        theta = np.zeros((1, POSE + geometry.order))
-        theta[0, 0] = math.log(prior.focal) + prior.focal_log_sd * z[0]
-        theta[0, 1] = theta[0, 0] + prior.ratio_log_sd * z[1]
-        theta[0, 2:4] = prior.centre + prior.centre_sd * z[2:4]
-        theta[0, 4:7] = prior.rotation_sd * z[4:7]
-        tau = math.exp(low + (high - low) * u[-1])
-        if geometry.order:
-            theta[0, POSE:] = tau * prior.width * z[10:-1]
-        position = prior.position.mean + prior.position.sd * z[7:10]
-        all_coordinates = geometry.to_anchor(theta, position)[0]
-        return np.append(all_coordinates, tau) if geometry.order else all_coordinates
-
-    return transform
-
-
 def nested(_: int) -> Iterator[str]:
     """Compare evidences with dynesty's."""
-    import dynesty
-
     yield from (
-        f"dynesty with random walks and {LIVE} live points, tau a coordinate of its own:",
+        f"dynesty with random walks and {LIVE} live points, tau and the robust noise coordinates "
+        "of their own:",
         "",
         "| model | ln Z | dynesty | difference, standard errors |",
         "|" + "---|" * 4,
     )
-    cases = (
-        ("thesis data, order 1", bc.thesis(), 1),
-        ("a camera drawn from the prior, 40 points, order 2", simulated(2, 0)[0], 2),
+    gaussian = (
+        ("thesis data, order 1", build(bc.thesis(), 1)),
+        ("a camera drawn from the prior, 40 points, order 2", build(simulated(2, 0)[0], 2)),
     )
-    for name, points, order in cases:
-        model = build(points, order)
-        ours = sampled(model, 0, 1000).estimate
+    for name, model in gaussian:
+        yield _against_dynesty(name, model, sampled(model, 0, 1000))
+    for order, noise in ((1, "student-t"), (0, "outlier-mixture")):
+        model = robust_model(bc.thesis(), order, noise)
+        found = sample_model(model, np.random.default_rng(0), 400)
+        yield _against_dynesty(f"thesis data, order {order}, {noise} noise", model, found)
 
-        def log_likelihood(theta: Array, model: PinholeModel = model) -> float:
-            if not np.isfinite(theta).all():
-                return -1e100
-            with np.errstate(all="ignore"):
-                residuals, possible = model._residuals(theta[None, : POSE + model.geometry.order])
-                value = sum(model._log_marginal(i, model._rss(residuals, i))[0] for i in range(2))
-            return float(value) if possible[0] and math.isfinite(value) else -1e100
 
-        free = POSE + order + (order > 0)
-        sampler = dynesty.NestedSampler(
-            log_likelihood, from_cube(model), free, nlive=LIVE, sample="rwalk",
-            rstate=np.random.default_rng(1),
-        )  # fmt: skip
-        sampler.run_nested(print_progress=False, dlogz=0.05)
-        found = sampler.results
-        value, error = float(found.logz[-1]), float(found.logzerr[-1])
-        off = (ours.log_evidence - value) / math.hypot(error, ours.error)
-        yield (
-            f"| {name} | {ours.log_evidence:.3f} ± {ours.error:.3f} | {value:.2f} ± {error:.2f} "
-            f"| {off:+.1f} |"
-        )
+def _against_dynesty(name: str, model: PinholeModel, found: SampledPosterior) -> str:
+    ours, (value, error) = found.estimate, nested_evidence(model)
+    off = (ours.log_evidence - value) / math.hypot(error, ours.error)
+    return (
+        f"| {name} | {ours.log_evidence:.3f} ± {ours.error:.3f} | {value:.2f} ± {error:.2f} "
+        f"| {off:+.1f} |"
+    )
 
 
 def simulated(order: int, seed: int) -> tuple[Correspondences, Array, Array]:
@@ -231,6 +200,7 @@ def _log_evidence(points: Correspondences, order: int, seed: int) -> float:
 
 PARTS: dict[str, tuple[str, Callable[[int], Iterator[str]]]] = {
     "nested": ("## Camera families: evidence against nested sampling", nested),
+    "robust": ("## Camera families: robust noise over seeds", robust),
     "sbc": ("## Camera families: simulation-based calibration", sbc),
     "orders": ("## Camera families: probabilities of orders", orders),
 }

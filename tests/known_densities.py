@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.special import gammaln
+from scipy.special import digamma, gammaln, polygamma
 from scipy.stats import multivariate_normal
 
 from bayescal.inference.model import LinearModel
@@ -103,6 +103,25 @@ class Banana(Known):
         z = theta.copy()
         z[:, 1] -= (theta[:, 0] ** 2 - 1) / 2
         return self.log_normal(z)
+
+
+class Skewed(Known):
+    """Logarithms of independent Gamma(2) variables: every coordinate leans to one side."""
+
+    shape = 2.0
+
+    @property
+    def mean(self):
+        return np.full(self.dimension, digamma(self.shape))
+
+    @property
+    def sd(self):
+        return np.full(self.dimension, math.sqrt(polygamma(1, self.shape)))
+
+    def log_prob(self, theta):
+        with np.errstate(over="ignore"):
+            logs = self.shape * theta - np.exp(theta) - gammaln(self.shape)
+        return LOG_Z + logs.sum(axis=1)
 
 
 class HalfSpace(Known):

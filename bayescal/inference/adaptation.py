@@ -5,8 +5,10 @@ multivariate t distributions to the weighted draws of *all* rounds, each weighte
 mixture of all rounds' proposals (deterministic mixture: Owen & Zhou 2000, J. Am. Stat.
 Assoc. 95, 135; Cornuet, Marin, Mira & Robert 2012, Scand. J. Stat. 39, 798). Weights are
 tempered until enough draws are effective, and truncated (Ionides 2008, J. Comput. Graph.
-Stat. 17, 295); a broad component stays in the proposal whatever the draws say. At the end
-the degrees of freedom are those whose importance weights vary least.
+Stat. 17, 295); a broad component stays in the proposal whatever the draws say. Where the
+draws are still weighted unevenly then, the mixture is fitted anew to as many effective draws
+as its parameters need. At the end the degrees of freedom are those whose importance weights
+vary least.
 """
 
 from __future__ import annotations
@@ -29,11 +31,21 @@ TAILS = (4.0, 8.0, 16.0, 32.0)
 INFLATED = 1.5  # first guess over the Laplace approximation, in deviations
 BROAD = 3.0  # the defensive component over all draws, in deviations
 DEFENSIVE = 0.05
+HELD = 0.02  # by the modes
 EFFECTIVE = 0.1  # share of draws that tempering keeps effective
 STEPS = 8
 REFINED = 10_000  # draws of a chain that a proposal is fitted to, at most
 FLOOR = 0.02
 SETTLED = 0.03  # rounds stop when the effective fraction changes by less than this
+EVEN = 0.6  # effective fraction above which no finer fit is made
+# Effective draws for each parameter of a finely fitted mixture. On a 15-dimensional posterior
+# of nine components 2000 draws gave an acceptance of 0.36, 4000 0.45, 8000 0.54, 16000 0.59
+# and 30000 0.60; they have 1224 parameters.
+PER_PARAMETER = 12
+MOST_DRAWS = 60_000
+FINE_ROUNDS, FINE_STEPS = 2, 40
+FINE_DOF = 16.0
+NARROWED = 0.7  # of the draws' deviations: where the components of a fine fit start
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +108,56 @@ def adapt(log_density: LogDensity, modes: tuple[Mode, ...], rng: np.random.Gener
             break
         before = fraction if cold else 0.0
         volume = float(np.log(np.diag(root)).sum())
+    if fraction < EVEN:
+        return _finely(log_density, proposal, modes, rng)
     best = _best_tails(narrow, everything, weights, log_p, (mean, root, modes))
     return Adapted(best, mean, covariance)
+
+
+def _finely(
+    log_density: LogDensity, proposal: TMixture, modes: tuple[Mode, ...], rng: np.random.Generator
+) -> Adapted:
+    """Fit a mixture anew to as many weighted draws of a proposal as its parameters need.
+
+    The rounds before follow the few draws of a bad first guess, which leave components without
+    a share; here all start about draws of the posterior.
+    """
+    wanted = PER_PARAMETER * COMPONENTS * (proposal.dimension + 1) * (proposal.dimension + 2) // 2
+    for _ in range(FINE_ROUNDS):
+        theta, log_p, weights = _effective_draws(log_density, proposal, wanted, rng)
+        mean, covariance = _moments(theta, weights)
+        root = cholesky(covariance)
+        # Systematic resampling: most draws are taken once or not at all.
+        at = (np.arange(wanted) + rng.random()) / wanted
+        picked, counts = np.unique(np.searchsorted(np.cumsum(weights), at), return_counts=True)
+        picked = np.minimum(picked, len(theta) - 1)
+        theta, log_p, weights = theta[picked], log_p[picked], counts / wanted
+        seeds = rng.choice(len(theta), COMPONENTS, p=weights)
+        narrow = TMixture(
+            np.full(COMPONENTS, 1 / COMPONENTS),
+            theta[seeds],
+            np.repeat(NARROWED * root[None], COMPONENTS, axis=0),
+            np.full(COMPONENTS, FINE_DOF),
+        ).refitted(theta, weights, FINE_STEPS, FLOOR)
+        proposal = _defended(narrow, mean, root, modes)
+    best = _best_tails(narrow, theta, weights, log_p, (mean, root, modes))
+    return Adapted(best, mean, covariance)
+
+
+def _effective_draws(
+    log_density: LogDensity, proposal: TMixture, wanted: int, rng: np.random.Generator
+) -> tuple[Array, Array, Array]:
+    """Draw until `wanted` are effective, or `MOST_DRAWS` made; with densities and weights."""
+    theta, log_p, log_w = np.empty((0, proposal.dimension)), np.empty(0), np.empty(0)
+    while len(theta) < MOST_DRAWS:
+        fresh = proposal.draw(rng, DRAWS)
+        log_fresh = log_density(fresh)
+        theta, log_p = np.concatenate([theta, fresh]), np.concatenate([log_p, log_fresh])
+        log_w = np.concatenate([log_w, log_fresh - proposal.log_density(fresh)])
+        weights, _ = _tempered(log_w)
+        if 1 / (weights @ weights) > wanted:
+            break
+    return theta, log_p, weights
 
 
 def refine(adapted: Adapted, modes: tuple[Mode, ...], theta: Array, log_density: Array) -> Adapted:
@@ -164,7 +224,7 @@ def _defended(narrow: TMixture, mean: Array, root: Array, modes: tuple[Mode, ...
     A mode of a hundredth of the mass is soon lost by the draws, and then a single draw there
     may weigh as much as a quarter of all.
     """
-    kept, held = _laplace(modes), DEFENSIVE * (len(modes) > 1)
+    kept, held = _laplace(modes), HELD * (len(modes) > 1)
     return TMixture(
         np.concatenate([(1 - held - DEFENSIVE) * narrow.weights, held * kept.weights, [DEFENSIVE]]),
         np.concatenate([narrow.means, kept.means, mean[None]]),

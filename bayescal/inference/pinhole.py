@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -10,7 +12,8 @@ from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import LOG_2PI, JointData, PinholeFit
-from bayescal.inference.pinhole_laplace import Normal, laplace, likely_start
+from bayescal.inference.pinhole_laplace import Normal, laplace, likely_start, linear_pixels
+from bayescal.inference.robust_fits import robust_fits
 from bayescal.models.camera_prior import PinholePrior
 from bayescal.models.noise.gaussian import Gaussian
 from bayescal.models.noise.model import NoiseModel
@@ -20,6 +23,8 @@ from bayescal.points.setup import AXES
 
 # tau about which the sampled coordinates are whitened where it is inferred.
 FRAME_TAU = 0.02
+# Robust fits whose modes are looked for.
+FITS = 8
 # Pixel values held at once: all at once costs many points memory, and time with it.
 CHUNK = 400_000
 
@@ -137,17 +142,27 @@ class PinholeModel:
         return np.asarray(np.where(possible & np.isfinite(total), total, -np.inf))
 
     def starts(self) -> Array:
-        """Where the frame is centred; under other noise with each of its starts."""
-        free = np.zeros((1, self.geometry.dimension))
+        """Where the frame is centred; under other noise with each of its starts, and robust fits.
+
+        Of the fits the most probable, at most `FITS`.
+        """
+        free = np.zeros(self.geometry.dimension)
         if self.gaussian:
-            return free
-        eta = self.noise.starts()
-        columns = [np.repeat(free, len(eta), axis=0)]
-        for level, sigma in zip(self.data.levels, self.fit.sigma.tolist(), strict=True):
+            return free[None]
+        log_sigma = np.log(0.7 * self.fit.sigma)
+        plain = [self._start(free, log_sigma, (eta, eta)) for eta in self.noise.starts()]
+        fits = robust_fits(linear_pixels(self.geometry, self.data, self.frame), self.noise)
+        found = np.array([self._start(fit.x, fit.log_sigma, fit.eta) for fit in fits])
+        likely = np.argsort(-self.log_prob(found), kind="stable")[:FITS]
+        return np.concatenate([plain, found[likely]])
+
+    def _start(self, u: Array, log_sigma: Array, eta: Sequence[Array] | Array) -> Array:
+        parts = [u]
+        for level, s, e in zip(self.data.levels, log_sigma.tolist(), eta, strict=True):
             if level.bounds is not None:
-                columns.append(np.full((len(eta), 1), level.probit(0.7 * sigma, 0.001)))
-            columns.append(eta)
-        return np.concatenate(columns, axis=1)
+                parts.append(np.array([level.probit(math.exp(s), 0.001)]))
+            parts.append(e)
+        return np.concatenate(parts)
 
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:
         """Draw the sigmas (Gaussian noise) and tau given the rest; logs, in further columns."""

@@ -9,13 +9,14 @@ below which residuals without noise would make the normal far narrower than the 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array, frozen
 from bayescal.inference.pinhole_fit import JointData
+from bayescal.inference.robust_fits import LinearPixels
 from bayescal.models.camera_prior import PinholePrior
 from bayescal.models.pinhole import POSE, PinholeGeometry
 
@@ -83,6 +84,20 @@ def likely_start(
     expected = geometry.free(geometry.to_anchor(theta, prior.position.mean))[0]
     values = [_value(geometry, prior, data, free, tau) for free in (fitted, expected)]
     return expected if values[1] > values[0] else fitted
+
+
+def linear_pixels(geometry: PinholeGeometry, data: JointData, frame: Normal) -> LinearPixels:
+    """Linearise pixels at a frame, in whitened coordinates: their posterior is standard normal."""
+    pixels, _ = geometry.project(geometry.full(frame.mean[None]))
+    residuals = data.pixels - pixels[0]
+    slopes = geometry.jacobian(frame.mean) @ frame.root
+    sigma = data.bounded_sigma(((residuals / data.deviations) ** 2).sum(axis=1))
+    d, precision = slopes.shape[2], (sigma[:, None] * data.deviations) ** -2.0
+    flat = LinearPixels(
+        residuals, slopes, np.zeros(d), np.zeros((d, d)), data.deviations, data.levels
+    )
+    slope, gram = flat.normal(precision)
+    return replace(flat, prior_slope=-slope, prior_precision=np.eye(d) - gram)
 
 
 def _value(

@@ -182,11 +182,11 @@ class RobustLinearModel:
         own = np.ones(len(self.t)) if self.sd is None else self.sd
         x, y = self.design / own[:, None], self.t / own
         noise = self.noise.starts()
-        rows = [self._start(fit, eta) for fit in _fits(x, y) for eta in noise]
-        return np.array(rows + [self._start(fit, noise[-1]) for fit in trimmed_fits(x, y)])
+        rows = [self.start(*fit, eta) for fit in _fits(x, y) for eta in noise]
+        return np.array(rows + [self.start(*fit, noise[-1]) for fit in trimmed_fits(x, y)])
 
-    def _start(self, fit: tuple[Array, float], eta: Array) -> Array:
-        amplitudes, scale = fit
+    def start(self, amplitudes: Array, scale: float, eta: Array) -> Array:
+        """Give the coordinates of amplitudes and a sigma, px, with eta of the noise."""
         if not self.infers_sigma:
             return np.concatenate([amplitudes, eta])
         return np.array([*amplitudes, self.level.probit(scale, 0.01), *eta])

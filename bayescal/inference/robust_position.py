@@ -8,6 +8,7 @@ ridge fixed: a shift, whose volume is 1, after which they hardly depend on the p
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -16,11 +17,13 @@ import numpy as np
 from bayescal.arrays import Array, frozen
 from bayescal.inference.moving_axis import MovingAxis
 from bayescal.inference.position_search import best_position, climb, linearised
+from bayescal.inference.robust_fits import LinearPixels, RobustFit, robust_fits
 from bayescal.inference.robust_linear import CAUCHY, MAD, RobustLinearModel
 from bayescal.inference.robust_pair import RobustPair, completed, taken_apart
 from bayescal.models.camera_prior import PositionPrior
 
 CHUNK = 400_000  # numbers held at once
+FITS = 8  # robust fits whose modes are looked for
 STEPS = 20  # of reweighting
 RIDGE_TAU = 0.02  # strength that the ridge takes for an inferred tau
 SETTLED = 1e-3  # prior sds that a reweighting moves the position
@@ -126,13 +129,63 @@ class RobustFreePosition:
         return out
 
     def starts(self) -> Array:
-        """Take the best starts of each axis at the robust position and at the stated one."""
+        """Best starts of each axis at the robust position and at the stated one, and robust fits.
+
+        Of the fits the most probable, at most `FITS`.
+        """
         rows = []
         for position, most in ((self.start, 2), (self.prior.mean, 1)):
             u = (position - self.start) / self.prior.sd
             r, c = (self._axis_starts(i, position, most) for i in (0, 1))
             rows += [np.concatenate([u, first, second]) for first in r for second in c]
-        return np.array(rows)
+        fits = self._fits()
+        likely = np.argsort(-self.log_prob(fits), kind="stable")[:FITS]
+        return np.concatenate([rows, fits[likely]])
+
+    def _fits(self) -> Array:
+        """Robust fits of position and amplitudes together, in sampled coordinates."""
+        step = 1e-30
+        places = self.start + step * 1j * np.diag(self.prior.sd)
+        count = len(self.axes[0].t)
+        slopes = np.zeros((2, count, 3 + sum(axis.size for axis in self.axes)))
+        residuals, deviations = np.empty((2, count)), np.ones((2, count))
+        off, precision = [(self.start - self.prior.mean) / self.prior.sd], [np.ones(3)]
+        at, column = [], 3
+        for i, (axis, moving, ridge) in enumerate(
+            zip(self.axes, self.moving, self.ridges, strict=True)
+        ):
+            moved = moving.design(places)
+            b = ridge.amplitudes(moved[:1].real)[0]
+            slopes[i, :, :3] = (moved.imag / step @ b).T
+            slopes[i, :, column : column + axis.size] = moved[0].real
+            residuals[i] = axis.t - moved[0].real @ b
+            deviations[i] = 1.0 if axis.sd is None else axis.sd
+            off.append(b - ridge.mean)
+            precision.append(ridge.precision)
+            at.append(b)
+            column += axis.size
+        each = np.concatenate(precision)
+        r, c = self.axes
+        pixels = LinearPixels(
+            residuals, slopes, -each * np.concatenate(off), np.diag(each), deviations,
+            (r.level, c.level),
+        )  # fmt: skip
+        fits = robust_fits(pixels, r.noise)
+        return np.array([self._start(fit, np.concatenate(at)) for fit in fits])
+
+    def _start(self, fit: RobustFit, at: Array) -> Array:
+        """Give the sampled coordinates of a fit about amplitudes `at`."""
+        u, b = fit.x[:3], at + fit.x[3:]
+        parts = [u]
+        for i, (axis, moving, ridge) in enumerate(
+            zip(self.axes, self.moving, self.ridges, strict=True)
+        ):
+            own, b = b[: axis.size], b[axis.size :]
+            with np.errstate(all="ignore"):  # where it has no image, nothing is found
+                estimate = ridge.amplitudes(moving.design(self.position(u[None])))[0]
+            scale = math.exp(float(fit.log_sigma[i]))
+            parts.append(axis.start(own - estimate, scale, fit.eta[i]))
+        return np.concatenate(parts)
 
     def _axis_starts(self, i: int, position: Array, most: int) -> Array:
         """Most probable starts of an axis at a position, in sampled coordinates."""
