@@ -50,7 +50,7 @@ def _with_noise(model: PinholeModel) -> Callable[[Array], float]:
 
     def log_likelihood(theta: Array) -> float:
         residuals, possible = _residuals(model, theta)
-        value, at = share, POSE + model.geometry.order
+        value, at = share, POSE + model.geometry.order + (model.geometry.order > 0)
         for i, level in enumerate(model.data.levels):
             if level.value is None:
                 log_sigma, at = level.log_sigma(theta[at : at + 1]), at + 1
@@ -74,7 +74,7 @@ def _residuals(model: PinholeModel, theta: Array) -> tuple[Array, bool]:
 
 
 def _from_cube(model: PinholeModel) -> Callable[[Array], Array]:
-    """Map the unit cube to all coordinates of the geometry, then those of the noise."""
+    """Map the unit cube to all coordinates of the geometry, tau, then those of the noise."""
     prior, geometry = model.prior, model.geometry
     low, high = (math.log(b) for b in TAU_BOUNDS)
 
@@ -85,17 +85,17 @@ def _from_cube(model: PinholeModel) -> Callable[[Array], Array]:
         theta[0, 1] = theta[0, 0] + prior.ratio_log_sd * z[1]
         theta[0, 2:4] = prior.centre + prior.centre_sd * z[2:4]
         theta[0, 4:7] = prior.rotation_sd * z[4:7]
-        after = POSE + geometry.order
+        after, tau = POSE + geometry.order, []
         if geometry.order:
-            tau = math.exp(low + (high - low) * u[after])
-            theta[0, POSE:] = tau * prior.width * z[POSE:after]
-            after += 1
+            tau = [math.exp(low + (high - low) * u[after])]
+            theta[0, POSE:] = tau[0] * prior.width * z[POSE:after]
         position = prior.position.mean + prior.position.sd * z[7:10]
-        noise = z[after:]
+        rest = after + len(tau)
+        noise = z[rest:]
         if model.noise.name == "student-t":
             # Each axis: the probit of sigma where it is inferred, then ln nu.
             last = np.cumsum([inferred + 1 for inferred in model.data.inferred]) - 1
-            noise[last] = np.log(gammaincinv(SHAPE, u[after:][last]) / RATE)
-        return np.append(geometry.to_anchor(theta, position)[0], noise)
+            noise[last] = np.log(gammaincinv(SHAPE, u[rest:][last]) / RATE)
+        return np.concatenate([geometry.to_anchor(theta, position)[0], tau, noise])
 
     return transform

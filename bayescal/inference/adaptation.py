@@ -30,7 +30,7 @@ DOF, BROAD_DOF = 8.0, 3.0  # while adapting; the final tails are chosen
 TAILS = (4.0, 8.0, 16.0, 32.0)
 INFLATED = 1.5  # first guess over the Laplace approximation, in deviations
 BROAD = 3.0  # the defensive component over all draws, in deviations
-DEFENSIVE = 0.05
+DEFENSIVE = 0.03
 HELD = 0.02  # by the modes
 EFFECTIVE = 0.1  # share of draws that tempering keeps effective
 STEPS = 8
@@ -160,30 +160,37 @@ def _effective_draws(
     return theta, log_p, weights
 
 
-def refine(adapted: Adapted, modes: tuple[Mode, ...], theta: Array, log_density: Array) -> Adapted:
-    """Fit the proposal once more, to draws of the posterior itself.
+def refine(
+    log_density: LogDensity,
+    adapted: Adapted,
+    modes: tuple[Mode, ...],
+    chain: tuple[Array, Array],
+    rng: np.random.Generator,
+) -> Adapted:
+    """Fit the proposal once more, beginning from draws of the posterior itself.
 
     Draws of a chain go where the proposal was too thin; new components start there. Bridge
     sampling's proposals are made so too (Gronau et al. 2017, J. Math. Psychol. 81, 80).
 
     Parameters
     ----------
+    log_density : callable
+        From ``(n, dimension)`` to ``(n,)``.
     adapted : Adapted
     modes : tuple of Mode
         That it came from.
-    theta : Array
-        Draws of the posterior, ``(n, dimension)``.
-    log_density : Array
-        The density there, ``(n,)``.
+    chain : tuple of Array
+        Draws of the posterior, ``(n, dimension)``, and the density there, ``(n,)``.
+    rng : numpy.random.Generator
     """
-    step = -(-len(theta) // REFINED)
-    theta, log_density = theta[::step], log_density[::step]
+    step = -(-len(chain[0]) // REFINED)
+    theta, log_p = (values[::step] for values in chain)
     old = adapted.proposal
     weights = np.full(len(theta), 1 / len(theta))
     mean, covariance = _moments(theta, weights)
     root = cholesky(covariance)
     # Spread over the thinnest hundredth of the draws, which lie close together.
-    thin = np.argsort(old.log_density(theta) - log_density, kind="stable")
+    thin = np.argsort(old.log_density(theta) - log_p, kind="stable")
     seeds = theta[thin[:: max(1, len(thin) // (100 * MORE))][:MORE]]
     shares = np.append(0.9 * old.weights[:-1] / old.weights[:-1].sum(), np.full(MORE, 0.1 / MORE))
     narrow = TMixture(
@@ -192,8 +199,7 @@ def refine(adapted: Adapted, modes: tuple[Mode, ...], theta: Array, log_density:
         np.concatenate([old.roots[:-1], np.repeat(root[None], MORE, axis=0)]),
         np.full(len(shares), DOF),
     ).refitted(theta, weights, 3 * STEPS, FLOOR)
-    best = _best_tails(narrow, theta, weights, log_density, (mean, root, modes))
-    return Adapted(best, mean, covariance)
+    return _finely(log_density, _defended(narrow, mean, root, modes), modes, rng)
 
 
 def _best_tails(

@@ -126,7 +126,7 @@ def sample_model(
     InputError
         Where the density is zero at every start of the model.
     """
-    for_proposal, for_first, for_second = rng.spawn(3)
+    for_proposal, for_first, for_second, for_refined = rng.spawn(4)
     if guess is None:
         modes = find_modes(model.log_prob, model.starts())
         if not modes:
@@ -142,8 +142,8 @@ def sample_model(
     first = _attempt(model, modes, adapted, for_first, ess, evidence_draws)
     if _soundness(first) >= (True, True, FITTED):
         return first
-    theta = first.chain.theta.reshape(-1, model.dimension)
-    refined = refine(adapted, modes, theta, first.chain.log_prob.ravel())
+    draws = first.chain.theta.reshape(-1, model.dimension), first.chain.log_prob.ravel()
+    refined = refine(model.log_prob, adapted, modes, draws, for_refined)
     second = _attempt(model, modes, refined, for_second, ess, evidence_draws)
     return max(first, second, key=_soundness)
 
