@@ -69,5 +69,5 @@ def _row(found: list[SampledPosterior]) -> str:
     return (
         f"{logs.mean():.3f}, {logs.std(ddof=1):.3f} | {error:.3f} "
         f"| {min(accepted):.2f}-{max(accepted):.2f} | {min(each):.2f}-{max(each):.2f} "
-        f"| {worst:.4f} | {sound} of {len(found)} |"
+        f"| {worst:.4f} | {sound} of {len(found)}"
     )
