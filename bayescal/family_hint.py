@@ -13,6 +13,7 @@ from bayescal.comparison.families import FREE
 from bayescal.comparison.results import Comparison
 from bayescal.errors import InputError
 from bayescal.family_models import Axis, criteria_of, free_model, joint_data, pinhole_model
+from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.position_search import position_mode
 from bayescal.points.correspondences import Correspondences
@@ -49,9 +50,10 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
     if gain < DECISIVE:
         return None
     x, y, z = best.position
+    changed = f"{'lower' if lower > 0 else 'higher'} by {abs(lower):.0f}"
     return (
         f"{best.name} with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g}) describes these "
-        f"points decisively better: 2 ln B about {gain:.0f} (Laplace), BIC lower by {lower:.0f}; "
+        f"points decisively better: 2 ln B about {gain:.0f} (Laplace), BIC {changed}; "
         "see compare --family separable,pinhole --position stated,free"
     )
 
@@ -80,6 +82,7 @@ def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> 
     with contextlib.suppress(*NO_MODEL):
         for order in (0, 1):
             pinhole = pinhole_model(points, order, FREE, "even", data, settings)
+            assert isinstance(pinhole, GaussianPinhole), "there is a hint under no other noise"
             _, log_mass = ladder(pinhole)
             position = pinhole.geometry.position(pinhole.geometry.full(pinhole.fit.free[None]))[0]
             count = pinhole.geometry.dimension + sum(data.inferred)

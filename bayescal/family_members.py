@@ -38,6 +38,7 @@ from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import ExactPosterior, exact_posterior
 from bayescal.inference.estimate import EvidenceEstimate
 from bayescal.inference.estimate import from_weights as evidence_of
+from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode
 from bayescal.inference.pinhole import PinholeModel
@@ -268,7 +269,7 @@ def pinhole_members(
 
 def _sample_pinhole(model: PinholeModel, rng: np.random.Generator, ess: int) -> SampledPosterior:
     guess = None
-    if model.gaussian:
+    if isinstance(model, GaussianPinhole):
         modes, log_mass = ladder(model)
         guess = mixture_about(modes, log_mass), modes[:1]
     return sample_model(model, rng, ess, guess)
@@ -278,7 +279,7 @@ def _without(
     model: PinholeModel, settings: Settings, name: ModelName
 ) -> Callable[[int], EvidenceEstimate] | None:
     """How to have the evidence without a point, where that takes no sampling."""
-    if not model.gaussian:
+    if not isinstance(model, GaussianPinhole):
         return None
 
     def evidence(point: int) -> EvidenceEstimate:

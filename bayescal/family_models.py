@@ -11,12 +11,14 @@ from bayescal.arrays import Array, frozen
 from bayescal.comparison.families import PINHOLE, STATED
 from bayescal.errors import InputError
 from bayescal.inference.free_position import FreePositionModel
+from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.least_squares import factorise
 from bayescal.inference.model import LinearModel
 from bayescal.inference.moving_axis import MovingAxis
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_fit import JointData, PinholeFit, fit_pinhole
 from bayescal.inference.position_search import best_position, linearised
+from bayescal.inference.robust_pinhole import RobustPinhole
 from bayescal.models import bivariate, separable
 from bayescal.models.camera_prior import PinholePrior, pinhole_prior, position_prior
 from bayescal.models.linear import AxisData
@@ -187,5 +189,7 @@ def pinhole_model(
     fit: PinholeFit = fit_pinhole(points, geometry, prior, data)
     for axis, level, rss in zip(AXES, data.levels, fit.rss.tolist(), strict=True):
         check_resolved(f"{points.source}: axis {axis}", level, rss, data.n, order)
-    choice = NoiseChoice(settings.noise, settings.nu, settings.bad_offset)
-    return PinholeModel.of(geometry, prior, data, fit, choice.model(1.0))
+    if not settings.choice.robust:
+        return GaussianPinhole.of(geometry, prior, data, fit)
+    noise = NoiseChoice(settings.noise, settings.nu, settings.bad_offset).model(1.0)
+    return RobustPinhole.of(geometry, prior, data, fit, noise)

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.special import gammaincinv, ndtri
 
 from bayescal.arrays import Array
+from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.models.noise.student_t import RATE, SHAPE
 from bayescal.models.pinhole import POSE
@@ -21,7 +22,7 @@ IMPOSSIBLE = -1e100
 
 def nested_evidence(model: PinholeModel, seed: int = 1) -> tuple[float, float]:
     """Log evidence and its error by random walks; tau is a coordinate, as is the robust noise."""
-    likelihood = _marginal(model) if model.gaussian else _with_noise(model)
+    likelihood = _marginal(model) if isinstance(model, GaussianPinhole) else _with_noise(model)
     noise = 0 if model.gaussian else sum(model.data.inferred) + 2 * model.noise.dimension
     dimension = model.geometry.dimension + (model.geometry.order > 0) + noise
     sampler = dynesty.NestedSampler(
@@ -33,12 +34,12 @@ def nested_evidence(model: PinholeModel, seed: int = 1) -> tuple[float, float]:
     return float(found.logz[-1]), float(found.logzerr[-1])
 
 
-def _marginal(model: PinholeModel) -> Callable[[Array], float]:
+def _marginal(model: GaussianPinhole) -> Callable[[Array], float]:
     """Likelihood with both sigmas integrated out, of all coordinates of the geometry."""
 
     def log_likelihood(theta: Array) -> float:
         residuals, possible = _residuals(model, theta)
-        value = sum(model._log_marginal(i, model._rss(residuals, i))[0] for i in range(2))
+        value = sum(model.log_marginal(i, model.rss(residuals, i))[0] for i in range(2))
         return float(value) if possible and math.isfinite(value) else IMPOSSIBLE
 
     return log_likelihood
@@ -69,7 +70,7 @@ def _residuals(model: PinholeModel, theta: Array) -> tuple[Array, bool]:
     if not np.isfinite(theta).all():
         return np.zeros((1, 2, model.data.n)), False
     with np.errstate(all="ignore"):
-        residuals, possible = model._residuals(theta[None, : POSE + model.geometry.order])
+        residuals, possible = model.residuals(theta[None, : POSE + model.geometry.order])
     return residuals, bool(possible[0])
 
 

@@ -31,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.inference.arviz_bridge import diagnose
-from bayescal.inference.pinhole import PinholeModel
+from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.models.camera_prior import log_normal
 from bayescal.models.pinhole import ANCHOR, POSE
 from bayescal.models.priors import TAU_BOUNDS
@@ -64,7 +64,7 @@ def ours(points: bc.Correspondences, order: int) -> tuple[float, str]:
     return size / seconds, f"{found.acceptance:.2f} | {per_draw:.2f} | {worst:.4f}"
 
 
-def nuts(model: PinholeModel) -> tuple[float, str]:
+def nuts(model: GaussianPinhole) -> tuple[float, str]:
     """Effective samples a second of NumPyro's NUTS."""
     import jax
     from numpyro.infer import MCMC, NUTS
@@ -90,8 +90,8 @@ def nuts(model: PinholeModel) -> tuple[float, str]:
     return min(d.ess_bulk for d in found) / seconds, f"R-hat {max(d.rhat for d in found):.3f}"
 
 
-def jax_density(model: PinholeModel) -> Callable[[Any], Any]:
-    """`PinholeModel.log_prob` of one draw, written for JAX."""
+def jax_density(model: GaussianPinhole) -> Callable[[Any], Any]:
+    """`GaussianPinhole.log_prob` of one draw, written for JAX."""
     import jax.numpy as jnp
     from jax.scipy.special import gammainc, gammaincc, gammaln
 
@@ -142,7 +142,7 @@ def jax_density(model: PinholeModel) -> Callable[[Any], Any]:
     return density
 
 
-def plain(model: PinholeModel) -> tuple[Callable[[Array], Array], Array]:
+def plain(model: GaussianPinhole) -> tuple[Callable[[Array], Array], Array]:
     """Density in the parameters one would write down, and the posterior mode in them.
 
     ln f_r, ln f_c, the principal point, rotation, camera position, displacements, ln sigma

@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import bayescal as bc
 from bayescal.arrays import Array
+from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_fit import JointData, fit_pinhole
@@ -56,13 +57,13 @@ KNOWN = StatedCamera(
 )
 
 
-def build(points: Correspondences, order: int, tau: float | None = None) -> PinholeModel:
+def build(points: Correspondences, order: int, tau: float | None = None) -> GaussianPinhole:
     """Fit a pinhole with the levels of `points`' problem."""
     geometry, prior, data = problem(points, order, tau=tau)
-    return PinholeModel.of(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
+    return GaussianPinhole.of(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
 
 
-def sampled(model: PinholeModel, seed: int, ess: int) -> SampledPosterior:
+def sampled(model: GaussianPinhole, seed: int, ess: int) -> SampledPosterior:
     """Sample as the program does."""
     modes, log_mass = ladder(model)
     guess = mixture_about(modes, log_mass), modes[:1]
@@ -124,12 +125,12 @@ def _geometry(points: Correspondences, prior: PinholePrior, order: int) -> Pinho
     return PinholeGeometry(points.world, prior.orientation, prior.half_diagonal, order)
 
 
-def model_of(points: Correspondences, order: int) -> PinholeModel:
+def model_of(points: Correspondences, order: int) -> GaussianPinhole:
     """Build the model the simulated data came from."""
     prior = pinhole_prior(points)
     geometry = _geometry(points, prior, order)
     data = JointData(np.stack([points.pixel(a) for a in "rc"]), (None, None), LEVELS)
-    return PinholeModel.of(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
+    return GaussianPinhole.of(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
 
 
 def sbc(sets: int) -> Iterator[str]:

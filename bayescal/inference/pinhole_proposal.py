@@ -16,9 +16,9 @@ from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
+from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode
-from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_laplace import laplace
 from bayescal.models.priors import TAU_BOUNDS
 
@@ -26,14 +26,13 @@ RUNGS = 10
 
 
 def weighted_evidence(
-    model: PinholeModel, rng: np.random.Generator, draws: int
+    model: GaussianPinhole, rng: np.random.Generator, draws: int
 ) -> EvidenceEstimate:
     """Evidence from weighted draws of the ladder alone, without a chain.
 
     Parameters
     ----------
-    model : PinholeModel
-        With Gaussian noise.
+    model : GaussianPinhole
     rng : numpy.random.Generator
     draws : int
     """
@@ -42,13 +41,12 @@ def weighted_evidence(
     return from_weights(model.log_prob(theta) - proposal.log_density(theta))
 
 
-def ladder(model: PinholeModel) -> tuple[tuple[Mode, ...], Array]:
+def ladder(model: GaussianPinhole) -> tuple[tuple[Mode, ...], Array]:
     """Laplace approximation at each tau of a ladder, and the log of its share of the evidence.
 
     Parameters
     ----------
-    model : PinholeModel
-        With Gaussian noise.
+    model : GaussianPinhole
 
     Returns
     -------

@@ -21,10 +21,10 @@ from bayescal.arrays import Array
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 
-TRIALS, STEPS = 60, 40
+TRIALS, STEPS = 120, 40
 SHARE = 3  # one in so many points in every other subset; in the rest just enough
 POINTS = 500  # of more points a random sample is searched
-SIGMAS = 40  # tried between the bounds of an inferred sigma
+SIGMAS = 20  # tried between the bounds of an inferred sigma
 SETTLED, SAME = 1e-2, 0.5  # standard deviations
 
 
@@ -134,7 +134,7 @@ def robust_fits(pixels: LinearPixels, noise: NoiseModel) -> list[RobustFit]:
     n = len(pixels.residuals[0])
     if n > POINTS:
         pixels, n = pixels.taken(np.sort(rng.permutation(n)[:POINTS])), POINTS
-    least = min(len(pixels.prior_slope) // 2 + 2, n)
+    least = min((len(pixels.prior_slope) + 1) // 2, n)
     found: list[RobustFit] = []
     for trial in range(TRIALS):
         # The fewer, the sooner all are of one group; the more, the nearer the fit begins.

@@ -133,10 +133,12 @@ class PinholePrior:
         low, high = (math.log(bound) for bound in TAU_BOUNDS)
         return Strength((low, high), order)
 
-    def log_density(self, geometry: PinholeGeometry, theta: Array) -> Array:
+    def log_density(
+        self, geometry: PinholeGeometry, theta: Array, log_tau: Array | None = None
+    ) -> Array:
         """Log prior density per unit of the pinhole's coordinates, ``(n_draws,)``.
 
-        tau is integrated out where it is inferred.
+        tau is integrated out where it is inferred and not given.
 
         Parameters
         ----------
@@ -144,6 +146,8 @@ class PinholePrior:
         theta : Array
             All coordinates, ``(n_draws, 10 + order)``; the density is per unit of the
             free ones.
+        log_tau : Array, optional
+            Of each draw, ``(n_draws,)``.
         """
         ratio = (theta[:, 1] - theta[:, 0])[:, None]
         total = log_normal(theta[:, :1], np.log([self.focal]), np.array([self.focal_log_sd]))
@@ -153,16 +157,19 @@ class PinholePrior:
         if geometry.fixed is None:
             position = geometry.position(theta)
             total += self.position.log_density(position) + geometry.log_volume(theta)
-        return total + self.log_distortion(theta[:, POSE:])
+        return total + self.log_distortion(theta[:, POSE:], log_tau)
 
-    def log_distortion(self, displacement: Array) -> Array:
-        """Log density of the displacements ``(n_draws, order)``, px, tau integrated out."""
+    def log_distortion(self, displacement: Array, log_tau: Array | None = None) -> Array:
+        """Log density of displacements ``(n_draws, order)``, px, tau given or integrated out."""
         order = displacement.shape[1]
         if not order:
             return np.zeros(len(displacement))
         if self.tau is not None:
-            sd = np.full(order, self.tau * self.width)
-            return log_normal(displacement, np.zeros(order), sd)
+            log_tau = np.log([self.tau])
+        if log_tau is not None:
+            log_sd = (log_tau + math.log(self.width))[:, None]
+            z = displacement * np.exp(-log_sd)
+            return np.asarray(-(z**2 + LOG_2PI + 2 * log_sd).sum(axis=1) / 2)
         q = ((displacement / self.width) ** 2).sum(axis=1)
         return np.asarray(self.strength(order).log_density(q) - order * math.log(self.width))
 
