@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from itertools import product
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.comparison.families import (
@@ -19,6 +16,7 @@ from bayescal.comparison.families import (
 )
 from bayescal.comparison.family_verdict import judge_families, model_probabilities
 from bayescal.errors import InputError
+from bayescal.family_caveats import family_caveats
 from bayescal.family_members import Progress, free_members, pinhole_members, stated_members
 from bayescal.family_models import (
     FAMILIES,
@@ -32,7 +30,6 @@ from bayescal.family_robust import free_robust, stated_robust
 from bayescal.models import separable
 from bayescal.models.camera_prior import pinhole_prior, position_prior
 from bayescal.points.correspondences import Correspondences
-from bayescal.rounding import counted
 from bayescal.settings import Settings
 from bayescal.sources import Computed, DrawsSource
 
@@ -94,7 +91,7 @@ def compare_joint(
     order = sorted(range(len(found)), key=lambda i: (-chances[i], -found[i].log_evidence))
     models = tuple(found[i] for i in order)
     sorted_chances = tuple(chances[i] for i in order)
-    verdict = judge_families(models, sorted_chances, _caveats(points, models, sorted_chances))
+    verdict = judge_families(models, sorted_chances, family_caveats(points, models, sorted_chances))
     priors = _prior_words(points, request, axes, settings)
     return FamilyComparison(
         points,
@@ -135,48 +132,6 @@ def _wanted(family: str, request: FamilyRequest) -> Wanted:
         return [((k,), k, k) for k in orders]
     pairs = request.pairs if request.pairs is not None else list(product(orders, orders))
     return [((k, m), k, m) for k, m in pairs]
-
-
-def _caveats(
-    points: Correspondences, models: Sequence[JointModel], chances: Sequence[float]
-) -> list[str]:
-    out: list[str] = []
-    matter = [model for model, chance in zip(models, chances, strict=True) if chance >= 0.01]
-    for model in matter:
-        out += [f"the evidence of {model.name}: {warning}" for warning in model.warnings]
-        if model.posterior is not None and not model.posterior.converged:
-            out.append(f"sampling of {model.name} did not reach the stopping rule")
-    heavy = [str(m.name) for m in matter if m.pareto_k is not None and m.pareto_k > 1]
-    if heavy:
-        rest = f"; and of {counted(len(heavy) - 3, 'other')}" if len(heavy) > 3 else ""
-        out.append(
-            f"leave-one-out rests on few draws (Pareto k > 1) for {'; '.join(heavy[:3])}{rest}"
-        )
-    best = models[0]
-    if best.posterior is not None and best.name.position == FREE:
-        prior = position_prior(points)
-        shift = np.abs(best.position - prior.mean) / prior.sd
-        if shift.max() > 3:
-            out.append(
-                f"the position found is {shift.max():.1f} prior sds from the stated one: "
-                "prior and data disagree"
-            )
-    if {m.name.position for m in models} == {STATED, FREE} and not position_prior(points).stated:
-        # Three normal densities of twice the width are an eighth as high at the most.
-        out.append(
-            "the evidence of a free position depends on its prior's sd, which is a default: "
-            f"twice as wide would cost it up to {3 * math.log(2):.1f} nat; the setup's position_sd "
-            "sets it"
-        )
-    known = [m for m in models if m.elpd is not None]
-    ahead = max(known, key=lambda m: m.elpd or 0.0, default=best)
-    if ahead is not best and best.elpd_pointwise is not None and ahead.elpd_pointwise is not None:
-        difference = ahead.elpd_pointwise - best.elpd_pointwise
-        total = float(difference.sum())
-        se = math.sqrt(len(difference)) * float(difference.std(ddof=1))
-        if total > max(4.0, 2 * se):
-            out.append(f"leave-one-out prefers {ahead.name}, by {total:.1f} +- {se:.1f}")
-    return out
 
 
 def _prior_words(

@@ -35,6 +35,7 @@ from bayescal.inference.robust_linear import RobustLinearModel
 from bayescal.inference.robust_pair import RobustPair, paired
 from bayescal.inference.robust_position import RobustFreePosition
 from bayescal.inference.sampled_posterior import FITTED, SampledPosterior, sample_model
+from bayescal.inference.t_mixture import TMixture
 from bayescal.inference.weighting import WeightedDraws, weigh
 from bayescal.models.camera_prior import position_prior
 from bayescal.points.correspondences import Correspondences
@@ -165,12 +166,17 @@ def _candidate(
 
 
 def _weighed(made: _Candidate, rng: np.random.Generator) -> WeightedDraws:
-    """Weigh draws of an adapted proposal, of the best of a few where they fit badly."""
-    found: list[tuple[float, WeightedDraws]] = []
+    """Weigh draws of an adapted proposal, of the best of a few where they fit badly.
+
+    Draws that the choice was made by would favour proposals whose heavy weights they missed.
+    """
+    found: list[tuple[float, TMixture]] = []
     for _ in range(TRIES):
         proposal = adapt(made.model.log_prob, made.modes, rng).proposal
-        draws = weigh(made.model, proposal, rng, ADAPTED_DRAWS)
-        found.append((effective_fraction(draws.log_weights), draws))
+        tried = proposal.draw(rng, ADAPTED_DRAWS)
+        log_weights = made.model.log_prob(tried) - proposal.log_density(tried)
+        found.append((effective_fraction(log_weights), proposal))
         if found[-1][0] > FITTED:
             break
-    return max(found, key=lambda pair: pair[0])[1]
+    best = max(found, key=lambda pair: pair[0])[1]
+    return weigh(made.model, best, rng, ADAPTED_DRAWS)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from scipy.special import logsumexp
+
 from bayescal.comparison.evidence import PLAUSIBLE, strength
 from bayescal.comparison.families import FREE, FamilyVerdict, JointModel, ModelName
 from bayescal.comparison.verdict import percent
@@ -15,6 +17,15 @@ def model_probabilities(models: Sequence[JointModel]) -> list[float]:
 
     A family does not become more probable by offering more orders.
     """
+    logs = _log_weights(models)
+    top = max(logs)
+    odds = [math.exp(value - top) for value in logs]
+    total = math.fsum(odds)
+    return [o / total for o in odds]
+
+
+def _log_weights(models: Sequence[JointModel]) -> list[float]:
+    """Log evidence of each model times its prior probability within its family."""
     logs = []
     for model in models:
         name = model.name
@@ -22,10 +33,28 @@ def model_probabilities(models: Sequence[JointModel]) -> list[float]:
         positions = len({n.position for n in same})
         orders = sum(n.position == name.position for n in same)
         logs.append(model.log_evidence - math.log(positions * orders))
-    top = max(logs)
-    odds = [math.exp(value - top) for value in logs]
-    total = math.fsum(odds)
-    return [o / total for o in odds]
+    return logs
+
+
+def _between_families(models: Sequence[JointModel], families: dict[str, float]) -> str:
+    """Say how probable each family is; nothing where there is one.
+
+    The evidence of a family is that of its models, averaged over its positions and orders: the
+    best of many models against the best of few would favour the many.
+    """
+    if len(families) < 2:
+        return ""
+    by_family: dict[str, list[float]] = {}
+    for model, weight in zip(models, _log_weights(models), strict=True):
+        by_family.setdefault(model.name.family, []).append(weight)
+    logs = {family: float(logsumexp(weights)) for family, weights in by_family.items()}
+    first, second, *_ = ranked = sorted(logs, key=lambda family: -logs[family])
+    factor = logs[first] - logs[second]
+    shares = ", ".join(f"{family} {percent(families[family])}" for family in ranked)
+    return (
+        f" Between families, positions and orders averaged: {shares}; 2 ln B of {first} against "
+        f"{second} = {2 * factor:.1f}, {strength(factor)} (Kass & Raftery)."
+    )
 
 
 def judge_families(
@@ -61,14 +90,9 @@ def judge_families(
         rest = "; ".join(f"{n} ({percent(chances[i])})" for i, n in enumerate(plausible[:5]) if i)
         more = f" and {len(plausible) - 5} more" if len(plausible) > 5 else ""
         text += f"not decided: {rest}{more} can't be excluded at 95%."
-    if factor is not None and factor > 0:
-        text += (
-            f" Against the best of another family, {rival.name}: 2 ln B = {2 * factor:.1f}, "
-            f"{strength(factor)} (Kass & Raftery)."
-        )
-    elif factor is not None:
-        text += f" By evidence alone {rival.name} is ahead by {-factor:.1f} nat."
-    if len(positions) > 1:
+    text += _between_families(models, families)
+    # Where each family has a position of its own, it says nothing that the family does not.
+    if len({(m.name.family, m.name.position) for m in models}) > len(families):
         free = positions.get(FREE, 0.0)
         text += (
             f" Summed over families and orders, a free camera position has {percent(free)}, the "

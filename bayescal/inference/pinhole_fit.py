@@ -271,6 +271,6 @@ def _check_handedness(
     if gain > MIRRORED:
         raise InputError(
             f"{points.source}: the pixels are those of a mirrored world (ln L higher by {gain:.0f} "
-            f"with {AXES[1]} turned over): count c from the other end (c_from_bottom), or swap or "
-            "negate a world axis"
+            f"with {AXES[1]} turned over): count c from the other end (c_from_bottom), swap or "
+            "negate a world axis, or swap the columns r and c"
         )

@@ -205,7 +205,8 @@ class _Parser:
     def numbers(self, table: dict[str, Any], key: str, count: int | None) -> tuple[float, ...]:
         values = table.get(key.rsplit(".", 1)[-1])
         if not isinstance(values, list) or not all(_is_number(v) for v in values):
-            raise self.fail(key, "must be a list of numbers")
+            many = "" if count is None else f"{count} "
+            raise self.fail(key, f"must be a list of {many}numbers")
         if count is not None and len(values) != count:
             raise self.fail(key, f"must have {count} numbers, not {len(values)}")
         return tuple(_float(v) for v in values)

@@ -33,6 +33,7 @@ UNITS = {
 }
 # The most probable models, and the best of every family and position.
 LISTED = 12
+FEW = 100  # points, below which leave-one-out's own errors are too small
 EXACT = 1e-5  # nat: an error below it is of rounding
 
 
@@ -127,7 +128,8 @@ def _difference(model: JointModel, best: JointModel) -> Cell:
     difference = model.elpd_pointwise - best.elpd_pointwise
     se = len(difference) ** 0.5 * float(difference.std(ddof=1))
     total = float(difference.sum())
-    return Cell(f"{total:+.1f} ({se:.1f})", total)
+    doubt = "" if model.elpd_reliable and best.elpd_reliable else "?"
+    return Cell(f"{total:+.1f}{doubt} ({se:.1f})", total)
 
 
 @dataclass(frozen=True)
@@ -262,6 +264,11 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
         notes.append(
             "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
             "0.7, or 0.64 of 600 draws): neither it nor its differences should be trusted."
+        )
+    if len(found.points) < FEW:
+        notes.append(
+            f"Under {FEW} points, errors of elpd differences may be up to twice too small (Sivula "
+            "et al. 2020)."
         )
     left = len(found.models) - len(shown)
     if left:

@@ -77,7 +77,8 @@ def laid_out(table: Table) -> RenderableType:
         shown.add_row(*(row[i] for i in kept), style="bold" if number == table.marked else "")
     if not dropped:
         return shown
-    return Group(shown, Text(f"  Too wide to show: {', '.join(dropped)} (--json has them)."))
+    left = ", ".join(head for head in heads if head in dropped)
+    return Group(shown, Text(f"  Too wide to show: {left} (--json has them)."))
 
 
 def listed(facts: Iterable[tuple[str, str]]) -> RenderableType:

@@ -43,7 +43,27 @@ def test_verdict_sums_families_and_positions():
     assert verdict.log_bayes_factor == pytest.approx(8.0)
     assert verdict.families["pinhole"] == pytest.approx(1 / (1 + np.exp(-8)))
     assert verdict.positions["stated"] == pytest.approx(1 / (1 + np.exp(8)))
-    assert "2 ln B = 16.0, very strong" in verdict.text
+    assert "2 ln B of pinhole against separable = 16.0, very strong" in verdict.text
+    assert "free camera position" not in verdict.text  # it is the family under another name
+
+
+def test_families_are_judged_by_all_of_their_models():
+    """The best of nine pairs leads the only pinhole, and the nine together do not."""
+    pairs = [(k, m) for k in (1, 2, 3) for m in (1, 2, 3)]
+    models = [joint("separable", pairs[0], "stated", -5.0)]
+    models += [joint("pinhole", (0,), "free", -6.0)]
+    models += [joint("separable", pair, "stated", -50.0) for pair in pairs[1:]]
+    chances = model_probabilities(models)
+    order = sorted(range(len(models)), key=lambda i: -chances[i])
+    verdict = judge_families([models[i] for i in order], [chances[i] for i in order], [])
+    assert verdict.families["pinhole"] == pytest.approx(1 / (1 + np.e / 9))
+    factor = 2 * (np.log(9) - 1)
+    assert f"2 ln B of pinhole against separable = {factor:.1f}, positive" in verdict.text
+
+
+def test_both_positions_of_a_family_are_summed():
+    models = [joint("separable", (1, 1), "free", -1.0), joint("separable", (1, 1), "stated", -9.0)]
+    verdict = judge_families(models, model_probabilities(models), [])
     assert "free camera position has >99.9%" in verdict.text
 
 

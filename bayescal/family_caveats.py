@@ -1,0 +1,100 @@
+"""What limits a verdict across families, in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from bayescal.comparison.families import FREE, PINHOLE, STATED, JointModel
+from bayescal.inference.pinhole import PinholeModel
+from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.models.camera_prior import position_prior
+from bayescal.points.correspondences import Correspondences
+from bayescal.rounding import counted
+
+FAR = 3.0  # prior standard deviations
+
+
+def family_caveats(
+    points: Correspondences, models: Sequence[JointModel], chances: Sequence[float]
+) -> list[str]:
+    """Say what a reviewer should know of the verdict.
+
+    Parameters
+    ----------
+    points : Correspondences
+    models : sequence of JointModel
+        The most probable first.
+    chances : sequence of float
+        Their probabilities.
+    """
+    out: list[str] = []
+    matter = [model for model, chance in zip(models, chances, strict=True) if chance >= 0.01]
+    for model in matter:
+        out += [f"the evidence of {model.name}: {warning}" for warning in model.warnings]
+        if model.posterior is not None and not model.posterior.converged:
+            out.append(f"sampling of {model.name} did not reach the stopping rule")
+    heavy = [str(m.name) for m in matter if m.pareto_k is not None and m.pareto_k > 1]
+    if heavy:
+        rest = f"; and of {counted(len(heavy) - 3, 'other')}" if len(heavy) > 3 else ""
+        out.append(
+            f"leave-one-out rests on few draws (Pareto k > 1) for {'; '.join(heavy[:3])}{rest}"
+        )
+    best = models[0]
+    if best.name.position == FREE:
+        prior = position_prior(points)
+        shift = np.abs(best.position - prior.mean) / prior.sd
+        if shift.max() > FAR:
+            out.append(_far("position", float(shift.max()), "the stated one"))
+    if best.posterior is not None and isinstance(best.posterior.model, PinholeModel):
+        out += _far_optics(best.posterior)
+    pinholes = sum(p for m, p in zip(models, chances, strict=True) if m.name.family == PINHOLE)
+    if points.setup.camera.orientation_sd is None and 0.001 < pinholes < 0.999:
+        # Three normal densities again; the polynomials take the orientation for exact.
+        out.append(
+            "the evidence of the pinholes depends on the sd of their orientation's prior, which is "
+            f"a default: half as wide could gain them up to {3 * math.log(2):.1f} nat; the setup's "
+            "orientation_sd sets it"
+        )
+    if {m.name.position for m in models} == {STATED, FREE} and not position_prior(points).stated:
+        # Three normal densities of twice the width are an eighth as high at the most.
+        out.append(
+            "the evidence of a free position depends on its prior's sd, which is a default: "
+            f"twice as wide would cost it up to {3 * math.log(2):.1f} nat; the setup's position_sd "
+            "sets it"
+        )
+    known = [m for m in models if m.elpd is not None and m.elpd_reliable]
+    ahead = max(known, key=lambda m: m.elpd or 0.0, default=best)
+    if (
+        ahead is not best
+        and best.elpd_reliable
+        and best.elpd_pointwise is not None
+        and ahead.elpd_pointwise is not None
+    ):
+        difference = ahead.elpd_pointwise - best.elpd_pointwise
+        total = float(difference.sum())
+        se = math.sqrt(len(difference)) * float(difference.std(ddof=1))
+        if total > max(4.0, 2 * se):
+            out.append(f"leave-one-out prefers {ahead.name}, by {total:.1f} +- {se:.1f}")
+    return out
+
+
+def _far(what: str, sds: float, where: str) -> str:
+    return f"the {what} found is {sds:.1f} prior sds from {where}: prior and data disagree"
+
+
+def _far_optics(posterior: SampledPosterior) -> list[str]:
+    """Say which of a pinhole's focal length, principal point and rotation its prior doubts."""
+    model = posterior.model
+    assert isinstance(model, PinholeModel), "the caller knows"
+    theta = model.coordinates(posterior.full[:, -1]).mean(axis=0)
+    prior = model.prior
+    offs = {
+        "focal length": (theta[0] - math.log(prior.focal)) / prior.focal_log_sd,
+        "principal point": np.abs((theta[2:4] - prior.centre) / prior.centre_sd).max(),
+        "rotation": np.abs(theta[4:7] / prior.rotation_sd).max(),
+    }
+    where = "what the setup or its default expects"
+    return [_far(what, abs(float(z)), where) for what, z in offs.items() if abs(z) > FAR]
