@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bayescal.arrays import Array
 from bayescal.comparison.families import FREE, PINHOLE, STATED, JointModel
 from bayescal.inference.pinhole import PinholeModel
-from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.models.camera_prior import position_prior
 from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import counted
@@ -49,7 +49,7 @@ def family_caveats(
         if shift.max() > FAR:
             out.append(_far("position", float(shift.max()), "the stated one"))
     if best.posterior is not None and isinstance(best.posterior.model, PinholeModel):
-        out += _far_optics(best.posterior)
+        out += _far_optics(best.posterior.model, best.posterior.full[:, -1])
     pinholes = sum(p for m, p in zip(models, chances, strict=True) if m.name.family == PINHOLE)
     if points.setup.camera.orientation_sd is None and 0.001 < pinholes < 0.999:
         # Three normal densities again; the polynomials take the orientation for exact.
@@ -85,11 +85,9 @@ def _far(what: str, sds: float, where: str) -> str:
     return f"the {what} found is {sds:.1f} prior sds from {where}: prior and data disagree"
 
 
-def _far_optics(posterior: SampledPosterior) -> list[str]:
+def _far_optics(model: PinholeModel, full: Array) -> list[str]:
     """Say which of a pinhole's focal length, principal point and rotation its prior doubts."""
-    model = posterior.model
-    assert isinstance(model, PinholeModel), "the caller knows"
-    theta = model.coordinates(posterior.full[:, -1]).mean(axis=0)
+    theta = model.coordinates(full).mean(axis=0)
     prior = model.prior
     offs = {
         "focal length": (theta[0] - math.log(prior.focal)) / prior.focal_log_sd,

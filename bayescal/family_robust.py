@@ -36,7 +36,7 @@ from bayescal.inference.robust_pair import RobustPair, paired
 from bayescal.inference.robust_position import RobustFreePosition
 from bayescal.inference.sampled_posterior import FITTED, SampledPosterior, sample_model
 from bayescal.inference.t_mixture import TMixture
-from bayescal.inference.weighting import WeightedDraws, weigh
+from bayescal.inference.weighting import WeightedDraws, drawn, weigh
 from bayescal.models.camera_prior import position_prior
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import Settings
@@ -173,8 +173,7 @@ def _weighed(made: _Candidate, rng: np.random.Generator) -> WeightedDraws:
     found: list[tuple[float, TMixture]] = []
     for _ in range(TRIES):
         proposal = adapt(made.model.log_prob, made.modes, rng).proposal
-        tried = proposal.draw(rng, ADAPTED_DRAWS)
-        log_weights = made.model.log_prob(tried) - proposal.log_density(tried)
+        _, log_weights = drawn(made.model, proposal, rng, ADAPTED_DRAWS)
         found.append((effective_fraction(log_weights), proposal))
         if found[-1][0] > FITTED:
             break

@@ -152,7 +152,7 @@ def sbc(sets: int) -> Iterator[str]:
             points, theta, hidden = simulated(order, seed)
             model = model_of(points, order)
             draws = sampled(model, seed, 400).chain.draws
-            free = np.linalg.solve(model.frame.root, (theta - model.frame.mean).T).T
+            free = model.frame.whitened(theta)
             truth = model.report(np.concatenate([free, hidden[None]], axis=1))[0]
             apart = draws.reshape(-1, draws.shape[2])
             found.append((truth, apart[:: len(apart) // DRAWS][:DRAWS]))

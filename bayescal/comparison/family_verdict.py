@@ -48,7 +48,8 @@ def _between_families(models: Sequence[JointModel], families: dict[str, float]) 
     for model, weight in zip(models, _log_weights(models), strict=True):
         by_family.setdefault(model.name.family, []).append(weight)
     logs = {family: float(logsumexp(weights)) for family, weights in by_family.items()}
-    first, second, *_ = ranked = sorted(logs, key=lambda family: -logs[family])
+    ranked = sorted(logs, key=lambda family: -logs[family])
+    first, second = ranked[:2]
     factor = logs[first] - logs[second]
     shares = ", ".join(f"{family} {percent(families[family])}" for family in ranked)
     return (

@@ -78,8 +78,7 @@ class GaussianPinhole(PinholeModel):
 
     def coordinates(self, full: Array) -> Array:
         """All coordinates of the geometry at draws, ``(n_draws, 10 + order)``."""
-        x = full[:, : self.geometry.dimension]
-        return self.geometry.full(self.frame.mean + x @ self.frame.root.T)
+        return self.geometry.full(self.frame.at(full[:, : self.geometry.dimension]))
 
     def levels(self, full: Array) -> list[tuple[Array, Array]]:
         """Ln sigma of r and of c, ``(n_draws,)``; there is no eta."""

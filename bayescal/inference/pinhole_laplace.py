@@ -42,6 +42,14 @@ class Normal:
     mean: Array
     root: Array
 
+    def at(self, x: Array) -> Array:
+        """Free coordinates of whitened ones, ``(..., dimension)``."""
+        return np.asarray(self.mean + x @ self.root.T)
+
+    def whitened(self, free: Array) -> Array:
+        """Whitened coordinates of free ones, ``(..., dimension)``; inverse of `at`."""
+        return np.asarray(solve_triangular(self.root, (free - self.mean).T, lower=True).T)
+
     @property
     def log_volume(self) -> float:
         """Log of the integral of the normal, unnormalised: 1 at its mean."""
@@ -91,12 +99,11 @@ def linear_pixels(geometry: PinholeGeometry, data: JointData, frame: Normal) -> 
     pixels, _ = geometry.project(geometry.full(frame.mean[None]))
     residuals = data.pixels - pixels[0]
     slopes = geometry.jacobian(frame.mean) @ frame.root
-    sigma = data.bounded_sigma(((residuals / data.deviations) ** 2).sum(axis=1))
-    d, precision = slopes.shape[2], (sigma[:, None] * data.deviations) ** -2.0
+    d = slopes.shape[2]
     flat = LinearPixels(
         residuals, slopes, np.zeros(d), np.zeros((d, d)), data.deviations, data.levels
     )
-    slope, gram = flat.normal(precision)
+    slope, gram = flat.normal(flat.plain)
     return replace(flat, prior_slope=-slope, prior_precision=np.eye(d) - gram)
 
 

@@ -20,6 +20,7 @@ from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode
 from bayescal.inference.pinhole_laplace import laplace
+from bayescal.inference.weighting import drawn
 from bayescal.models.priors import TAU_BOUNDS
 
 RUNGS = 10
@@ -36,9 +37,7 @@ def weighted_evidence(
     rng : numpy.random.Generator
     draws : int
     """
-    proposal = mixture_about(*ladder(model))
-    theta = proposal.draw(rng, draws)
-    return from_weights(model.log_prob(theta) - proposal.log_density(theta))
+    return from_weights(drawn(model, mixture_about(*ladder(model)), rng, draws)[1])
 
 
 def ladder(model: GaussianPinhole) -> tuple[tuple[Mode, ...], Array]:
@@ -66,7 +65,7 @@ def ladder(model: GaussianPinhole) -> tuple[tuple[Mode, ...], Array]:
     for tau in rungs[::-1]:
         found = laplace(model.geometry, prior, model.data, start, tau)
         fixed = replace(model, prior=replace(prior, tau=tau))
-        theta = solve_triangular(frame.root, found.mean - frame.mean, lower=True)
+        theta = frame.whitened(found.mean)
         root = solve_triangular(frame.root, found.root, lower=True)
         modes.append(Mode(theta, float(fixed.log_prob(theta[None])[0]), root))
         start = found.mean

@@ -17,8 +17,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import solve_triangular
-from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.inference.gaussian_pinhole import GaussianPinhole
@@ -26,10 +24,11 @@ from bayescal.inference.pinhole import FRAME_TAU, PinholeModel
 from bayescal.inference.pinhole_fit import JointData, PinholeFit
 from bayescal.inference.pinhole_laplace import Normal, laplace, likely_start, linear_pixels
 from bayescal.inference.robust_fits import RobustFit, robust_fits
-from bayescal.models.camera_prior import LOG_2PI, PinholePrior
+from bayescal.models.camera_prior import PinholePrior
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.models.noise.model import NoiseModel
 from bayescal.models.pinhole import PinholeGeometry
+from bayescal.models.probit import log_prior, log_value, probit_of
 
 FITS = 8  # whose modes are looked for
 LEAST = 1e-6  # weight of a point in the frame
@@ -73,18 +72,13 @@ class RobustPinhole(PinholeModel):
         moved = plain._weighed(best)
         likely = np.argsort(-values[len(at_zero) :], kind="stable")[:FITS]
         kept = [*at_zero, *(found[i] for i in likely)]
-        free = [frame.mean + frame.root @ f.x for f in kept]
-        x = [solve_triangular(moved.root, f - moved.mean, lower=True) for f in free]
-        return replace(
-            plain,
-            frame=moved,
-            fits=tuple(replace(f, x=each) for f, each in zip(kept, x, strict=True)),
-        )
+        fits = tuple(replace(f, x=moved.whitened(frame.at(f.x))) for f in kept)
+        return replace(plain, frame=moved, fits=fits)
 
     def _weighed(self, fit: RobustFit) -> Normal:
         """Laplace approximation with each point weighed as a fit weighs it."""
         data, tau = self.data, self._frame_tau
-        free = self.frame.mean + self.frame.root @ fit.x
+        free = self.frame.at(fit.x)
         residuals, _ = self.residuals(self.geometry.full(free[None]))
         sd = []
         for i in (0, 1):
@@ -103,7 +97,7 @@ class RobustPinhole(PinholeModel):
 
     def _log_density(self, theta: Array) -> Array:
         x, log_narrowing = self._moved(theta)
-        coordinates = self.geometry.full(self.frame.mean + x @ self.frame.root.T)
+        coordinates = self.geometry.full(self.frame.at(x))
         residuals, possible = self.residuals(coordinates)
         log_tau = self._log_tau(theta) if self.infers_tau else None
         total = self.log_volume + log_narrowing
@@ -123,10 +117,10 @@ class RobustPinhole(PinholeModel):
         parts = [fit.x]
         for i, level in enumerate(self.data.levels):
             if level.bounds is not None:
-                parts.append(np.array([level.probit(math.exp(float(fit.log_sigma[i])), 0.001)]))
+                parts.append(np.array([level.probit(math.exp(float(fit.log_sigma[i])))]))
             parts.append(fit.eta[i])
         if self.infers_tau:
-            parts.append(self._frame_probit)
+            parts.append(np.array([probit_of(math.log(self._frame_tau), self._tau_bounds)]))
         return np.concatenate(parts)
 
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:  # noqa: ARG002
@@ -136,7 +130,7 @@ class RobustPinhole(PinholeModel):
     def coordinates(self, full: Array) -> Array:
         """All coordinates of the geometry at draws, ``(n_draws, 10 + order)``."""
         x, _ = self._moved(full[:, : self.dimension])
-        return self.geometry.full(self.frame.mean + x @ self.frame.root.T)
+        return self.geometry.full(self.frame.at(x))
 
     def levels(self, full: Array) -> list[tuple[Array, Array]]:
         """Ln sigma ``(n_draws,)`` and eta ``(n_draws, noise.dimension)`` of r and of c."""
@@ -158,20 +152,18 @@ class RobustPinhole(PinholeModel):
                 total += level.log_probit_prior(theta[:, at])
                 at += 1
             at += self.noise.dimension
-        return total - (theta[:, at] ** 2 + LOG_2PI) / 2 if self.infers_tau else total
+        return total + log_prior(theta[:, at]) if self.infers_tau else total
 
     @property
     def _frame_tau(self) -> float:
         return FRAME_TAU if self.prior.tau is None else self.prior.tau
 
-    def _log_tau(self, theta: Array) -> Array:
-        low, high = self.prior.strength(self.geometry.order).log_bounds
-        return np.asarray(low + (high - low) * ndtr(theta[:, self.dimension - 1]))
-
     @property
-    def _frame_probit(self) -> Array:
-        low, high = self.prior.strength(self.geometry.order).log_bounds
-        return np.asarray(ndtri([(math.log(self._frame_tau) - low) / (high - low)]))
+    def _tau_bounds(self) -> tuple[float, float]:
+        return self.prior.strength(self.geometry.order).log_bounds
+
+    def _log_tau(self, theta: Array) -> Array:
+        return log_value(theta[:, self.dimension - 1], self._tau_bounds)
 
     @cached_property
     def _distortion(self) -> tuple[Array, Array, Array]:

@@ -20,6 +20,7 @@ from bayescal.inference.posterior import ParameterSummary, summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampling import Chain
 from bayescal.inference.t_mixture import TMixture, cholesky
+from bayescal.inference.weighting import drawn
 
 EVIDENCE_DRAWS = 20_000
 Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
@@ -176,8 +177,7 @@ def _attempt(
         for_chains,
         ess,
     )
-    fresh = proposal.draw(for_evidence, evidence_draws)
-    log_weights = model.log_prob(fresh) - proposal.log_density(fresh)
+    fresh, log_weights = drawn(model, proposal, for_evidence, evidence_draws)
     theta = chain.theta.reshape(-1, model.dimension)
     effective = min(min(d.ess_bulk, d.ess_tail) for d in chain.diagnostics)
     estimate = estimate_evidence(

@@ -30,6 +30,14 @@ class WeightedDraws:
     full: Array
 
 
+def drawn(
+    model: SampledModel, proposal: TMixture, rng: np.random.Generator, n: int
+) -> tuple[Array, Array]:
+    """Draws of a proposal, ``(n, dimension)``, and the log of their weights, ``(n,)``."""
+    theta = proposal.draw(rng, n)
+    return theta, model.log_prob(theta) - proposal.log_density(theta)
+
+
 def weigh(
     model: SampledModel, proposal: TMixture, rng: np.random.Generator, n: int
 ) -> WeightedDraws:
@@ -44,7 +52,6 @@ def weigh(
     n : int
         Number of draws.
     """
-    theta = proposal.draw(rng, n)
-    log_weights = model.log_prob(theta) - proposal.log_density(theta)
+    theta, log_weights = drawn(model, proposal, rng, n)
     picked = theta[rng.choice(n, n, p=softmax(log_weights))]
     return WeightedDraws(model, log_weights, model.complete(picked, rng))

@@ -15,7 +15,9 @@ from bayescal.comparison.families import (
 from bayescal.comparison.family_verdict import judge_families, model_probabilities
 from bayescal.comparison.weak import weak_combinations
 from bayescal.errors import InputError
+from bayescal.family_caveats import family_caveats
 from bayescal.models.camera_prior import position_prior
+from bayescal.points.camera import StatedCamera
 from bayescal.report.families import families_view
 from bayescal.report.render import render
 from tests.cameras import turned_points
@@ -79,6 +81,32 @@ def test_a_default_prior_of_the_position_is_said_to_matter(thesis_families):
     """Only where it decides anything: with both treatments compared, and none stated."""
     caveats = thesis_families.verdict.caveats
     assert any("position depends on its prior's sd" in c and "2.1 nat" in c for c in caveats)
+
+
+def test_a_default_prior_of_the_orientation_is_said_to_matter(thesis_families):
+    """Where pinholes have rivals and may lose; what a stated one costs is for its user to know."""
+    found = thesis_families
+    assert 0.001 < found.verdict.families["pinhole"] < 0.999
+    assert any("orientation's prior" in caveat for caveat in found.verdict.caveats)
+    camera = replace(found.points.setup.camera, orientation_sd=(30.0, 30.0, 30.0))
+    stated = replace(found.points, setup=replace(found.points.setup, camera=camera))
+    caveats = family_caveats(stated, found.models, found.probabilities)
+    assert not any("orientation's prior" in caveat for caveat in caveats)
+
+
+def test_a_camera_far_from_where_its_priors_expect_it_is_said():
+    """The orientation stated to a degree is 7 degrees off, and the focal length twice too long."""
+    points = turned_points(0.06)
+    camera = StatedCamera(
+        position_sd=(50.0, 50.0, 50.0), orientation=(37.0, 0.0, 0.0),
+        orientation_sd=(1.0, 1.0, 1.0), focal=6000.0, focal_log_sd=0.1,
+    )  # fmt: skip
+    off = replace(points, setup=replace(points.setup, camera=camera))
+    said = [c for c in bc.fit_family(off, "pinhole", (1,), ess=400).verdict.caveats if "sds" in c]
+    assert any(c.startswith("the rotation found is ") for c in said)
+    assert any(c.startswith("the focal length found is ") for c in said)
+    right = bc.fit_family(points, "pinhole", (1,), ess=400).verdict.caveats
+    assert not any("prior and data disagree" in caveat for caveat in right)
 
 
 def test_weak_combinations_of_a_known_matrix():

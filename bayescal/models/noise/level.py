@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
+from bayescal.models.probit import log_prior, log_value, probit_of
 
 # Bounds of an inferred sigma on an image, px (ln sigma uniform between them).
 SIGMA_BOUNDS = (0.01, 1000.0)
@@ -121,20 +121,17 @@ class NoiseLevel:
         lower, upper = self.log_bounds
         return math.log(self.mass / (upper - lower))
 
-    # Samplers see an inferred sigma as the probit of where its logarithm lies between the
-    # bounds: a coordinate without edges, under whose prior it is a standard normal.
+    # Samplers see an inferred sigma as a probit (`bayescal.models.probit`).
 
     def log_sigma(self, probit: Array) -> Array:
         """Log of an inferred sigma at probits, of their shape."""
-        lower, upper = self.log_bounds
-        return np.asarray(lower + (upper - lower) * ndtr(probit))
+        return log_value(probit, self.log_bounds)
 
-    def probit(self, sigma: float, least: float) -> float:
+    def probit(self, sigma: float, least: float = 0.001) -> float:
         """Probit of a sigma, px, kept off the bounds: from the share `least` of their distance."""
-        lower, upper = self.log_bounds
-        share = (math.log(max(sigma, math.exp(lower))) - lower) / (upper - lower)
-        return float(ndtri(min(max(share, least), 0.99)))
+        lower, _ = self.log_bounds
+        return probit_of(math.log(max(sigma, math.exp(lower))), self.log_bounds, least)
 
     def log_probit_prior(self, probit: Array) -> Array:
         """Log prior density per unit of the probit, of its shape."""
-        return np.asarray(math.log(self.mass) - (probit**2 + math.log(2 * math.pi)) / 2)
+        return np.asarray(math.log(self.mass) + log_prior(probit))

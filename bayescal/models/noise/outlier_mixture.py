@@ -21,6 +21,7 @@ from scipy.special import expit, log_ndtr, ndtr, ndtri
 from bayescal.arrays import Array
 from bayescal.models.noise.gaussian import LOG_2PI, log_normal
 from bayescal.models.noise.model import scales
+from bayescal.models.probit import log_value
 
 LARGEST_FRACTION = 0.5
 # Bounds of the bad component's width on an image, px: a gross error is of several pixels, and
@@ -59,8 +60,8 @@ class OutlierMixture:
         return 2 + self.infers_offset
 
     def _log_width(self, eta: Array) -> Array:
-        lower, upper = np.log(self.width_bounds)
-        return np.asarray(lower + (upper - lower) * ndtr(eta[:, 1:2]))
+        lower, upper = self.width_bounds
+        return log_value(eta[:, 1:2], (math.log(lower), math.log(upper)))
 
     def _log_densities(
         self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None
