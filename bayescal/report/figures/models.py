@@ -40,6 +40,7 @@ def draw(found: FamilyComparison) -> Figure:
                 continue
             mesh = _panel(panel, found, kind, grids[family], write=write)
             panel.set_xlim(-0.5, across - 0.5)
+            panel.xaxis.label.set_x(len(grids[family][1]) / across / 2)  # below its own cells
             panel.set_title(f"{family}, position {position}", loc="left")
     assert mesh is not None, "some model was compared"
     # Below the panels, where its label fits however few rows there are.
