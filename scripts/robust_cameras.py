@@ -8,7 +8,7 @@ import numpy as np
 
 import bayescal as bc
 from bayescal.family_models import noise_levels, pinhole_model
-from bayescal.inference.pinhole import PinholeModel
+from bayescal.inference.robust_pinhole import RobustPinhole
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
@@ -41,11 +41,13 @@ def robust(_: int) -> Iterator[str]:
             yield f"| {name}, order {order}, {noise} | {_row(found)} |"
 
 
-def robust_model(points: Correspondences, order: int, noise: str) -> PinholeModel:
+def robust_model(points: Correspondences, order: int, noise: str) -> RobustPinhole:
     """Build a pinhole at a free position as `compare` does."""
     settings = Settings(noise=noise, ess=ESS)
     levels = noise_levels(points, settings, order)
-    return pinhole_model(points, order, "free", "even", levels.data, settings)
+    model = pinhole_model(points, order, "free", "even", levels.data, settings)
+    assert isinstance(model, RobustPinhole), "the noise is robust"
+    return model
 
 
 def with_gross_errors(points: Correspondences) -> Correspondences:
