@@ -27,6 +27,8 @@ Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 # Where a chain does not converge, its evidence can't be trusted or rests on a smaller fraction of
 # the draws than this, the proposal is fitted to that chain's draws, and all is done once more.
 FITTED = 0.2
+# Shares of a mode that differ by less are no warning: they move the evidence by 0.01 nat at most.
+NOTICEABLE = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,12 +186,12 @@ def _attempt(
         log_weights,
         chain.log_prob.ravel() - proposal.log_density(theta),
         effective,
-        _shares_differ(modes, fresh, log_weights, theta, effective),
+        shares_differ(modes, fresh, log_weights, theta, effective),
     )
     return SampledPosterior(model, chain, full, summarise(model.names, chain), estimate, modes)
 
 
-def _shares_differ(
+def shares_differ(
     modes: tuple[Mode, ...],
     fresh: Array,
     log_weights: Array,
@@ -206,7 +208,7 @@ def _shares_differ(
         expected = min(float(weights[nearest[0] == k].sum()), 1.0)  # rounding may exceed it
         drawn = float(np.mean(nearest[1] == k))
         variance = expected * (1 - expected) * (1 / n_effective + 1 / effective)
-        if abs(drawn - expected) > 5 * np.sqrt(variance) + 1e-3:
+        if abs(drawn - expected) > 5 * np.sqrt(variance) + NOTICEABLE:
             return (
                 f"mode {k + 1} of {len(modes)} holds {100 * expected:.1f} % of the posterior by "
                 f"its weights, {100 * drawn:.1f} % by the draws",

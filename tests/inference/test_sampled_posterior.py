@@ -10,7 +10,8 @@ from bayescal.comparison.leave_one_out import leave_one_out
 from bayescal.comparison.psis import sampled_leave_one_out
 from bayescal.errors import InputError
 from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.sampled_posterior import sample_model
+from bayescal.inference.optimum import find_modes
+from bayescal.inference.sampled_posterior import sample_model, shares_differ
 from tests.known_densities import (
     LOG_Z,
     Banana,
@@ -73,6 +74,25 @@ def test_the_masses_of_two_modes():
     right = posterior.chain.theta[..., 0] > 0
     ess = min(d.ess_bulk for d in posterior.chain.diagnostics)
     assert abs(right.mean() - 0.8) < ERRORS * np.sqrt(0.8 * 0.2 / ess)
+
+
+@pytest.mark.parametrize(
+    ("by_weights", "by_draws", "differ"),
+    [(0.2, 0.2, False), (0.2, 0.24, False), (0.2, 0.3, True), (0.0, 0.005, False), (0, 0.02, True)],
+)
+def test_a_mode_that_the_chains_hold_otherwise_than_the_weights_is_named(
+    by_weights, by_draws, differ
+):
+    model = TwoModes(1)
+    modes = find_modes(model.log_prob, model.starts())  # the right one first
+    fresh, drawn = (
+        np.where(np.arange(4000) < share * 4000, -4.0, 4.0)[:, None]
+        for share in (by_weights, by_draws)
+    )
+    found = shares_differ(modes, fresh, np.zeros(4000), drawn, 1000)
+    assert bool(found) == differ
+    if differ:
+        assert f"mode 1 of 2 holds {100 - 100 * by_weights:.1f} % of the posterior" in found[0]
 
 
 def test_draws_follow_the_density_itself():
