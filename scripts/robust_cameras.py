@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import bayescal as bc
-from bayescal.family_models import noise_levels, pinhole_model
+from bayescal.families.models import noise_levels, pinhole_model
 from bayescal.inference.robust_pinhole import RobustPinhole
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.points.correspondences import Correspondences

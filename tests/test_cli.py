@@ -252,7 +252,7 @@ main(["compare", "--orders", "1", "--axis", "c", "--ess", "100", "--quiet"])
 spared = ["comparison.defence", "comparison.leave_one_out", "comparison.noise_evidence",
           "comparison.sensitivity", "comparison.stability", "comparison.robust_caveats",
           "inference.robust_linear", "inference.sampled_posterior", "report.document",
-          "family_analysis", "outlier_analysis", "robust_analysis"]
+          "families.analysis", "outlier_analysis", "robust_analysis"]
 loaded = [name for name in spared if f"bayescal.{name}" in sys.modules]
 print(loaded, [name for name in spared if find_spec(f"bayescal.{name}") is None])
 """

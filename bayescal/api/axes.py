@@ -61,7 +61,7 @@ def compare(
     result = analyse_points(points, by_axis, settings, progress)
     if not hint:
         return result
-    from bayescal.family_hint import family_hint
+    from bayescal.families.hint import family_hint
 
     return dataclasses.replace(result, hint=family_hint(points, result, settings))
 

@@ -8,7 +8,7 @@ from typing import Unpack
 from bayescal.analysis import Progress
 from bayescal.api.options import Options, spelled_out
 from bayescal.comparison.families import FamilyComparison, FamilyRequest
-from bayescal.family_analysis import compare_joint
+from bayescal.families.analysis import compare_joint
 from bayescal.models.pinhole import Radial
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders

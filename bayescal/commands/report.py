@@ -146,7 +146,7 @@ def _of_another_run(
 def _check_families(options: argparse.Namespace, asked: dict[str, Any]) -> None:
     """Refuse, before anything is sampled, families that can't be compared so."""
     from bayescal.api.families import family_request
-    from bayescal.family_analysis import check_request
+    from bayescal.families.analysis import check_request
     from bayescal.settings import Settings
 
     given = {k: v for k, v in shared.settings(options).items() if k not in shared.COMPARED}

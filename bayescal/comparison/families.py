@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -86,6 +87,46 @@ class FamilyRequest:
 
 
 @dataclass(frozen=True, eq=False)
+class JointLeaveOneOut:
+    """Leave-one-out of the joint data: r and c of a point together.
+
+    Attributes
+    ----------
+    pointwise : Array
+        ln p(t_i | all other points), ``(n_points,)``.
+    pareto_k : float or None
+        Largest of the points that draws tell of; None where it is exact.
+    k_limit : float or None
+        Below it `pareto_k` is good; fewer draws can judge thinner tails only.
+    refitted : tuple of int
+        Points whose term comes from the evidence without them, as their weights have too
+        heavy a tail.
+    """
+
+    pointwise: Array
+    pareto_k: float | None = None
+    k_limit: float | None = None
+    refitted: tuple[int, ...] = ()
+
+    @property
+    def elpd(self) -> float:
+        """Sum of the terms."""
+        return float(self.pointwise.sum())
+
+    @property
+    def se(self) -> float:
+        """Its standard error: sqrt(n) times the sd (n - 1) of the terms."""
+        return math.sqrt(len(self.pointwise)) * float(self.pointwise.std(ddof=1))
+
+    @property
+    def reliable(self) -> bool:
+        """Whether it is exact, or every point's Pareto k is good."""
+        if self.pareto_k is None or self.k_limit is None:
+            return True
+        return self.pareto_k < self.k_limit
+
+
+@dataclass(frozen=True, eq=False)
 class JointModel:
     """One model of the joint data, judged.
 
@@ -103,13 +144,8 @@ class JointModel:
         Natural log.
     log_evidence_error : float
         Monte Carlo error, or the quadrature's, nat.
-    elpd, elpd_se : float or None
-        Leave-one-out, r and c of a point together; None where it can't be had.
-    elpd_pointwise : Array or None
-        ``(n_points,)``.
-    pareto_k : float or None
-        Largest, where leave-one-out comes from draws; of the evidence's weights at points
-        that were refitted.
+    loo : JointLeaveOneOut or None
+        None where it can't be had.
     position : Array
         Camera position of highest likelihood, of a linear family under robust noise of highest
         posterior density, ``(3,)``, world units.
@@ -118,15 +154,10 @@ class JointModel:
         robust noise linear families at the stated one.
     doubts : tuple of str
         Why an evidence that was had without sampling should not be trusted.
-    k_limit : float or None
-        Below it `pareto_k` is good; fewer draws can judge thinner tails only.
     exact : tuple of ExactPosterior
         Of r and of c, at the stated position of a linear family; empty elsewhere.
     weighted : WeightedDraws or None
         Of a model that has no closed form and was not sampled.
-    refitted : tuple of int
-        Points whose leave-one-out comes from the evidence without them, as their weights
-        have too heavy a tail.
     """
 
     name: ModelName
@@ -136,29 +167,17 @@ class JointModel:
     bic: float | None
     log_evidence: float
     log_evidence_error: float
-    elpd: float | None
-    elpd_se: float | None
-    elpd_pointwise: Array | None
-    pareto_k: float | None
+    loo: JointLeaveOneOut | None
     position: Array
     posterior: SampledPosterior | None = None
     doubts: tuple[str, ...] = ()
-    k_limit: float | None = None
     exact: tuple[ExactPosterior, ...] = ()
     weighted: WeightedDraws | None = None
-    refitted: tuple[int, ...] = ()
 
     @property
     def sound(self) -> bool:
         """Whether its draws, if any, met the stopping rule and its evidence can be trusted."""
         return not self.warnings and (self.posterior is None or self.posterior.converged)
-
-    @property
-    def elpd_reliable(self) -> bool:
-        """Whether leave-one-out is exact, or every point's Pareto k is good."""
-        if self.pareto_k is None or self.k_limit is None:
-            return True
-        return self.pareto_k < self.k_limit
 
     @property
     def warnings(self) -> tuple[str, ...]:

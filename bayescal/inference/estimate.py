@@ -23,7 +23,9 @@ UNCERTAIN = 0.1
 # Importance and bridge sampling may differ by this, nat: over five of their usual errors.
 DISAGREEMENT = 0.05
 LARGEST_K = 0.7
-NOTICEABLE = 0.002  # share of one draw's weight in the evidence
+# Share of the evidence below which one draw's weight, or what differs about a mode, is no warning:
+# about as many nat.
+NOTICEABLE = 0.01
 SMALLEST_FRACTION = 0.02
 BRIDGE_STEPS = 1000
 

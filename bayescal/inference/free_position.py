@@ -8,13 +8,13 @@ is stated in px at the edges of the domain, means the same wherever the camera i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.moving_axis import MovingAxis
+from bayescal.inference.moving_axis import MovingAxis, Rows
 from bayescal.models.camera_prior import PositionPrior
 
 CHUNK = 4_000_000  # numbers held at once
@@ -36,6 +36,11 @@ class FreePositionModel:
     axes: tuple[MovingAxis, MovingAxis]
     prior: PositionPrior
     start: Array
+
+    def without(self, point: int) -> FreePositionModel:
+        """Give the same model of the other points, its basis and priors kept."""
+        r, c = self.axes
+        return replace(self, axes=(r.without(point), c.without(point)))
 
     @property
     def dimension(self) -> int:
@@ -67,13 +72,16 @@ class FreePositionModel:
         position = self.position(theta)
         out = np.full(len(theta), -np.inf)
         inside = np.flatnonzero(self.prior.possible(self.axes[0].world, position))
-        step = max(1, CHUNK // (len(self.axes[0].world) * (self.axes[0].size + 1)))
-        for first in range(0, len(inside), step):
-            part = inside[first : first + step]
+        for part in self._in_chunks(inside):
             out[part] = self.prior.log_density(position[part]) + np.log(self.prior.sd).sum()
             for axis, offsets in zip(self.axes, self._offsets, strict=True):
                 out[part] += axis.log_evidence(position[part], offsets)
         return np.where(np.isfinite(out), out, -np.inf)
+
+    def _in_chunks(self, rows: Rows) -> list[Rows]:
+        """Split rows of draws so that their design matrices fit into memory."""
+        step = max(1, CHUNK // (len(self.axes[0].world) * (self.axes[0].size + 1)))
+        return [rows[first : first + step] for first in range(0, len(rows), step)]
 
     def starts(self) -> Array:
         """Give the likelihood's maximum and the stated position, ``(2, 3)``."""
@@ -106,6 +114,19 @@ class FreePositionModel:
         for axis, (amplitudes, log_sigma, _) in zip(self.axes, self._parts(full), strict=True):
             total = total + axis.log_likelihood(position, amplitudes, log_sigma)
         return np.asarray(total)
+
+    def log_left_out(self, full: Array) -> Array:
+        """Log density of each point given all others and the draw, ``(n_draws, n_points)``.
+
+        With the coefficients integrated out it varies far less among the draws than the
+        likelihood: weights for a point left out are those of position, sigma and tau alone.
+        """
+        position, parts = self.position(full), self._parts(full)
+        out = np.zeros((len(full), len(self.axes[0].world)))
+        for part in self._in_chunks(np.arange(len(full))):
+            for axis, (_, log_sigma, log_tau) in zip(self.axes, parts, strict=True):
+                out[part] += axis.log_left_out(position[part], log_sigma[part], log_tau[part])
+        return out
 
     def _parts(self, full: Array) -> list[tuple[Array, Array, Array]]:
         out, at = [], 3

@@ -35,6 +35,8 @@ STEP = 1.4
 # They cover what is within so many nat of the highest at the position of reference: at others
 # the density lies as it does there in units of the least-squares sigma, but not quite.
 MARGIN = 30.0
+# Where 1 - leverage is smaller, rounding has taken the digits that leaving a point out needs.
+DETERMINED = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,18 +85,35 @@ class MovingAxis:
             self.data, frame=first if self.data.other is None else (*first, self.data.across)
         )
 
+    def without(self, point: int) -> MovingAxis:
+        """Give the axis of the other points, its basis and priors kept."""
+
+        def rest(values: Array | None) -> Array | None:
+            return None if values is None else np.delete(values, point, axis=0)
+
+        every, labels = self.framed, self.data.labels
+        data = replace(
+            every,
+            x=np.delete(every.x, point),
+            t=np.delete(every.t, point),
+            sd=rest(every.sd),
+            other=rest(every.other),
+            labels=labels[:point] + labels[point + 1 :],
+        )
+        return replace(self, data=data, world=np.delete(self.world, point, axis=0))
+
     def reduced(self, position: Array) -> Reduced:
         """Weighted least squares at positions ``(m, 3)``."""
         m, n, p = len(position), len(self.world), self.size
-        t = np.broadcast_to(self.data.t[:, None], (m, n, 1))
-        augmented = np.concatenate([self.design(position), t], axis=2)
+        # Rows of zeros where there are no more points than coefficients.
+        augmented = np.zeros((m, max(n, p + 1), p + 1))
+        augmented[:, :n, :p], augmented[:, :n, p] = self.design(position), self.data.t
         log_sd = 0.0
         if self.data.sd is not None:
-            augmented /= self.data.sd[:, None]
+            augmented[:, :n] /= self.data.sd[:, None]
             log_sd = float(np.log(self.data.sd).sum())
         triangle = np.linalg.qr(augmented, mode="r")
-        ones = np.ones(m)
-        rss = triangle[:, p, p] ** 2 if n > p else 0 * ones
+        ones, rss = np.ones(m), triangle[:, p, p] ** 2
         return Reduced(triangle[:, :p, :p], triangle[:, :p, p], rss, n * ones, log_sd * ones)
 
     def offsets(self, position: Array) -> Array:
@@ -197,13 +216,39 @@ class MovingAxis:
         self, rng: np.random.Generator, data: Reduced, log_sigma: Array, log_tau: Array
     ) -> Array:
         """Draw from the normal given sigma and tau (Bishop 2006, 3.3)."""
-        s = self.prior.deviations(log_tau)
-        u, d, vt = np.linalg.svd(data.r * s[:, None, :])
-        w = np.einsum("mji,mj->mi", u, data.qt - data.r @ self.prior.mean)
+        d, w, to_b = self._projected(data, log_tau)
         variance = np.exp(2 * log_sigma)[:, None]
         total = variance + d**2
         a = d * w / total + np.sqrt(variance / total) * rng.standard_normal(w.shape)
-        return np.asarray(self.prior.mean + s * np.einsum("mji,mj->mi", vt, a))
+        return np.asarray(self.prior.mean + np.einsum("mpq,mq->mp", to_b, a))
+
+    def _projected(self, data: Reduced, log_tau: Array) -> tuple[Array, Array, Array]:
+        """Singular values D, data w and S^{1/2} V: `bayescal.inference.evidence` at each tau."""
+        s = self.prior.deviations(log_tau)
+        u, d, vt = np.linalg.svd(data.r * s[:, None, :])
+        w = np.einsum("mji,mj->mi", u, data.qt - data.r @ self.prior.mean)
+        return d, w, s[:, :, None] * vt.transpose(0, 2, 1)
+
+    def log_left_out(self, position: Array, log_sigma: Array, log_tau: Array) -> Array:
+        """Log density of each pixel given all others and the draw, ``(m, n_points)``.
+
+        The coefficients integrate out of it (`bayescal.comparison.leave_one_out`); -inf where
+        nothing but the point itself determines its prediction.
+        """
+        design, t = self.design(position), self.data.t
+        sd = np.ones(len(t)) if self.data.sd is None else self.data.sd
+        d, w, to_b = self._projected(self.reduced(position), log_tau)
+        rows = (design / sd[:, None]) @ to_b
+        variance = np.exp(2 * log_sigma)[:, None]
+        total = variance + d**2
+        offset = (t - design @ self.prior.mean) / sd
+        residual = offset - np.einsum("mnq,mq->mn", rows, d * w / total)
+        spare = 1 - np.einsum("mnq,mq->mn", rows**2, 1 / total)
+        alone = spare < DETERMINED
+        spare = np.where(alone, 1.0, spare)
+        log_scale = log_sigma[:, None] + np.log(sd)
+        density = np.log(spare) / 2 - (residual**2 / (variance * spare) + LOG_2PI) / 2 - log_scale
+        return np.where(alone, -np.inf, density)
 
     def log_likelihood(self, position: Array, amplitudes: Array, log_sigma: Array) -> Array:
         """Log density of each pixel, ``(m, n_points)``."""

@@ -14,7 +14,7 @@ from bayescal.errors import InputError
 from bayescal.inference.adaptation import Adapted, adapt, refine
 from bayescal.inference.coordinates import Whitening
 from bayescal.inference.ensembles import sample_ensembles
-from bayescal.inference.estimate import EvidenceEstimate, estimate_evidence
+from bayescal.inference.estimate import NOTICEABLE, EvidenceEstimate, estimate_evidence
 from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.posterior import ParameterSummary, summarise
 from bayescal.inference.sampled_model import SampledModel
@@ -27,8 +27,6 @@ Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 # Where a chain does not converge, its evidence can't be trusted or rests on a smaller fraction of
 # the draws than this, the proposal is fitted to that chain's draws, and all is done once more.
 FITTED = 0.2
-# Shares of a mode that differ by less are no warning: they move the evidence by 0.01 nat at most.
-NOTICEABLE = 0.01
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from bayescal.comparison.families import FamilyComparison
 from bayescal.report.family_tables import (
     assumed_lines,
     correlation_table,
+    elpd_words,
     header_lines,
     listed,
     models_notes,
@@ -48,7 +49,7 @@ def families_view(found: FamilyComparison) -> RenderableType:
 
 def joint_fit_view(found: FamilyComparison) -> RenderableType:
     """Everything that ``fit --family`` prints: one model in full."""
-    model = found.best
+    model, loo = found.best, found.best.loo
     parts: list[RenderableType] = [_header(found)]
     error = significant(model.log_evidence_error, 1)
     evidence = f"{model.log_evidence:.3f} " + ("(closed form)" if model.exact else f"+- {error}")
@@ -60,7 +61,7 @@ def joint_fit_view(found: FamilyComparison) -> RenderableType:
     facts = [
         f"{model.name}: K = {model.n_parameters}, {criteria}",
         f"ln evidence {evidence}"
-        + ("" if model.elpd is None else f"; elpd {model.elpd:.1f} +- {model.elpd_se:.1f}"),
+        + ("" if loo is None else f"; elpd {elpd_words(loo)} +- {loo.se:.1f}"),
     ]
     parts += [Text(line) for line in facts]
     parts += [Text(f"caveat: {c}.") for c in found.verdict.caveats]

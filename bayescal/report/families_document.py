@@ -77,7 +77,7 @@ def families_schema() -> dict[str, Any]:
 
 
 def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str, Any]:
-    name = model.name
+    name, loo = model.name, model.loo
     return {
         "name": str(name),
         "family": name.family,
@@ -91,12 +91,12 @@ def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str,
         "log_evidence_error": model.log_evidence_error,
         "evidence_warnings": list(model.warnings),
         "probability": chance,
-        "elpd_loo": model.elpd,
-        "elpd_loo_se": model.elpd_se,
-        "elpd_reliable": None if model.elpd is None else model.elpd_reliable,
-        "pareto_k_max": None if model.pareto_k is None else finite(model.pareto_k),
-        "pareto_k_limit": model.k_limit,
-        "refitted": [labels[i] for i in model.refitted],
+        "elpd_loo": None if loo is None else loo.elpd,
+        "elpd_loo_se": None if loo is None else loo.se,
+        "elpd_reliable": None if loo is None else loo.reliable,
+        "pareto_k_max": None if loo is None or loo.pareto_k is None else finite(loo.pareto_k),
+        "pareto_k_limit": None if loo is None else loo.k_limit,
+        "refitted": [] if loo is None else [labels[i] for i in loo.refitted],
         "camera_position_mle": model.position.tolist(),
         "sampling": None if model.posterior is None else _sampling(model.posterior),
         "closed_form": _closed_form(model) if model.exact else None,

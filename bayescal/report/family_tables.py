@@ -9,7 +9,13 @@ from functools import lru_cache
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.comparison.families import PINHOLE, FamilyComparison, JointModel
+from bayescal.comparison.families import (
+    PINHOLE,
+    FamilyComparison,
+    JointLeaveOneOut,
+    JointModel,
+)
+from bayescal.comparison.leave_one_out import paired_difference
 from bayescal.comparison.verdict import percent
 from bayescal.comparison.weak import correlation, weak_combinations
 from bayescal.inference.closed_form import ExactPosterior
@@ -97,7 +103,6 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
     for i in rows:
         m = found.models[i]
         flag = "" if m.sound else "!"
-        doubt = "" if m.elpd_reliable else "?"
         cells.append(
             (
                 Cell(m.name.family),
@@ -108,8 +113,8 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
                 number_cell(m.bic, lambda v: f"{v - lowest_bic:.1f}"),
                 Cell(f"{m.log_evidence:.2f}{flag}", m.log_evidence),
                 Cell(error_words(m.log_evidence_error), m.log_evidence_error),
-                Cell("" if m.elpd is None else f"{m.elpd:.1f}{doubt}", m.elpd),
-                number_cell(m.elpd_se, lambda v: f"{v:.1f}"),
+                Cell("") if m.loo is None else Cell(elpd_words(m.loo), m.loo.elpd),
+                number_cell(None if m.loo is None else m.loo.se, lambda v: f"{v:.1f}"),
                 _difference(m, best),
                 Cell(percent(found.probabilities[i]), found.probabilities[i]),
             )
@@ -122,13 +127,16 @@ def error_words(error: float) -> str:
     return "exact" if error < EXACT else significant(error, 1)
 
 
+def elpd_words(loo: JointLeaveOneOut) -> str:
+    """Sum of the terms, marked where it should not be trusted."""
+    return f"{loo.elpd:.1f}" + "?" * (not loo.reliable)
+
+
 def _difference(model: JointModel, best: JointModel) -> Cell:
-    if model is best or model.elpd_pointwise is None or best.elpd_pointwise is None:
+    if model is best or model.loo is None or best.loo is None:
         return Cell("")
-    difference = model.elpd_pointwise - best.elpd_pointwise
-    se = len(difference) ** 0.5 * float(difference.std(ddof=1))
-    total = float(difference.sum())
-    doubt = "" if model.elpd_reliable and best.elpd_reliable else "?"
+    total, se = paired_difference(model.loo, best.loo)
+    doubt = "" if model.loo.reliable and best.loo.reliable else "?"
     return Cell(f"{total:+.1f}{doubt} ({se:.1f})", total)
 
 
@@ -254,13 +262,15 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
     notes = []
     if not all(m.sound for m in shown):
         notes.append("! marks an evidence that should not be trusted; the caveats say why.")
-    refits = sum(len(m.refitted) for m in shown)
+    loos = [m.loo for m in shown if m.loo is not None]
+    refits = sum(len(loo.refitted) for loo in loos)
     if refits:
         notes.append(
             f"elpd: {counted(refits, 'term')} whose importance weights had too heavy a tail "
-            "(Pareto k not below 0.7) come from the evidence without the point."
+            "(Pareto k not below 0.7, or 0.64 of 600 draws) come from the evidence without the "
+            "point."
         )
-    if not all(m.elpd_reliable for m in shown):
+    if not all(loo.reliable for loo in loos):
         notes.append(
             "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
             "0.7, or 0.64 of 600 draws): neither it nor its differences should be trusted."

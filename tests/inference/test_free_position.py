@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import simpson
 from scipy.optimize import minimize
+from scipy.stats import multivariate_normal, norm
 
 import bayescal as bc
-from bayescal.family_models import Axis, free_model, linear_axes, moving_axes
+from bayescal.families.models import Axis, free_model, linear_axes, moving_axes
 from bayescal.inference.adaptation import effective_fraction
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.evidence import log_evidences
@@ -184,3 +186,79 @@ def test_likelihood_of_the_draws_is_that_of_their_polynomials():
         z = (points.pixel(axis) - prediction) / sigma
         total = total - z**2 / 2 - np.log(sigma) - np.log(2 * np.pi) / 2
     np.testing.assert_allclose(model.log_likelihood(full), total, rtol=1e-8)
+
+
+def known_sds():
+    """The thesis data with a deviation for each pixel, from 1 to 3 px."""
+    sd = np.random.default_rng(3).uniform(1, 3, (2, 57))
+    return replace(bc.thesis(), sigma={"r": sd[0], "c": sd[1]})
+
+
+@pytest.mark.parametrize("points", [bc.thesis(), known_sds()], ids=["one sigma", "known"])
+def test_density_of_a_point_given_the_others_is_that_of_their_joint_normal(points):
+    """With the coefficients integrated out all pixels are jointly normal given the draw."""
+    made = [separable.axis_data(points, a) for a in "rc"]
+    levels = [NoiseLevel.inferred() if d.sd is None else NoiseLevel.known(1.0) for d in made]
+    pair = tuple(Axis(d, v, field_rule(d), "") for d, v in zip(made, levels, strict=True))
+    model, _ = free_model(points, pair, (4, 1))
+    rng = np.random.default_rng(0)
+    full = model.complete(rng.normal(0, 0.01, (3, 3)), rng)
+    found = model.log_left_out(full)
+    at = [3, 3 + 5 + 2]
+    for row, position in enumerate(model.position(full)):
+        expected = np.zeros(57)
+        for axis, first in zip(model.axes, at, strict=True):
+            log_sigma, log_tau = full[row, first + axis.size : first + axis.size + 2]
+            design = axis.design(position[None])[0]
+            sd = np.ones(57) if axis.data.sd is None else axis.data.sd
+            spread = axis.prior.deviations(np.array([log_tau]))[0]
+            total = (design * spread**2) @ design.T + np.diag((np.exp(log_sigma) * sd) ** 2)
+            precision = np.linalg.inv(total)
+            # Of a joint normal: variance 1 / P_ii, residual (P e)_i / P_ii.
+            variance = 1 / np.diag(precision)
+            e = precision @ (axis.data.t - design @ axis.prior.mean) * variance
+            expected += norm.logpdf(e, scale=np.sqrt(variance))
+        # The covariance's entries of 1e6 px^2 leave the inverse some nine digits.
+        np.testing.assert_allclose(found[row], expected, rtol=0, atol=1e-5)
+
+
+@pytest.mark.parametrize("family", [separable, bivariate])
+def test_without_a_point_the_basis_and_the_priors_stay(family):
+    """The evidence at a position is that of the closed form of the other points."""
+    points = bc.thesis()
+    whole, _ = free_model(points, axes(family), (2, 1))
+    edge = int(np.argmax(whole.axes[0].data.x))  # it spans the domain
+    rest = whole.without(edge)
+    place = np.array([[331.0, 56.0, -5.0]])
+    assert len(rest.axes[0].world) == 56
+    for axis, other in zip(whole.axes, rest.axes, strict=True):
+        np.testing.assert_array_equal(
+            other.design(place)[0], np.delete(axis.design(place)[0], edge, axis=0)
+        )
+        exact = log_evidences(other.reduced(place), axis.noise, axis.prior, FINE)
+        assert other.log_evidence(place, other.offsets(place[0])) == pytest.approx(exact, abs=5e-3)
+
+
+def test_as_many_coefficients_as_points_lose_a_point():
+    """Under a proper prior fewer points than coefficients still have an evidence."""
+    points = bc.thesis()
+    few = replace(
+        points, world=points.world[::12], pixels=points.pixels[::12], labels=points.labels[::12],
+        lines=None,
+    )  # fmt: skip
+    made = [separable.axis_data(few, a) for a in "rc"]
+    pair = tuple(Axis(d, NoiseLevel.known(2.0), field_rule(d), "") for d in made)
+    (axis, _), place = moving_axes(few, pair, (4, 4)), np.array([[330.0, 57.0, 0.0]])
+    assert (len(few), axis.size) == (5, 5)
+    rest = axis.without(2)
+    found = rest.log_evidence(place, np.zeros(1))[0]
+    design, prior = rest.design(place)[0], axis.prior
+    log_tau = np.linspace(*prior.log_tau_bounds, 2001)
+    values = [
+        multivariate_normal(design @ prior.mean, (design * s**2) @ design.T + 4 * np.eye(4)).logpdf(
+            rest.data.t
+        )
+        for s in prior.deviations(log_tau)
+    ]
+    density = np.exp(values) * np.exp(prior.log_tau_density())
+    assert found == pytest.approx(np.log(simpson(density, x=log_tau)), abs=5e-3)

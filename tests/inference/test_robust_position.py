@@ -7,8 +7,8 @@ import pytest
 from scipy import stats
 
 import bayescal as bc
-from bayescal.family_models import free_model, moving_axes
-from bayescal.family_robust import _axis_model
+from bayescal.families.models import free_model, moving_axes
+from bayescal.families.robust import _axis_model
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.position_search import position_mode
 from bayescal.inference.robust_pair import RobustPair, paired

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal import family_members
 from bayescal.comparison.families import FamilyComparison
+from bayescal.families import members
 from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.camera import StatedCamera
 from bayescal.report.facts import dumps
@@ -44,7 +44,7 @@ def test_nothing_is_sampled_or_weighed(families_run: Path, monkeypatch: pytest.M
         raise AssertionError("something was drawn")
 
     monkeypatch.setattr(emcee.EnsembleSampler, "run_mcmc", refuse)
-    monkeypatch.setattr(family_members, "weigh", refuse)
+    monkeypatch.setattr(members, "weigh", refuse)
     bc.open_run(families_run)
     for orders in ((1,), (1, 2)):  # negative controls: what is sampled, and what is weighted
         with pytest.raises(AssertionError, match="something was drawn"):

@@ -14,7 +14,7 @@ from scipy.stats import norm
 import bayescal as bc
 from bayescal.comparison.families import FamilyComparison
 from bayescal.errors import InputError
-from bayescal.family_residuals import joint_residuals
+from bayescal.families.residuals import joint_residuals
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.report.figures.registry import FAMILY_KINDS
 from bayescal.report.figures.style import figure_bytes

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from bayescal.comparison.families import FREE
 from bayescal.comparison.results import Comparison
 from bayescal.errors import InputError
-from bayescal.family_models import Axis, criteria_of, free_model, joint_data, pinhole_model
+from bayescal.families.models import Axis, criteria_of, free_model, joint_data, pinhole_model
 from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.position_search import position_mode

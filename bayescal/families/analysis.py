@@ -16,9 +16,9 @@ from bayescal.comparison.families import (
 )
 from bayescal.comparison.family_verdict import judge_families, model_probabilities
 from bayescal.errors import InputError
-from bayescal.family_caveats import family_caveats
-from bayescal.family_members import Progress, free_members, pinhole_members, stated_members
-from bayescal.family_models import (
+from bayescal.families.caveats import family_caveats
+from bayescal.families.members import Progress, free_members, pinhole_members, stated_members
+from bayescal.families.models import (
     FAMILIES,
     LINEAR,
     Axis,
@@ -26,7 +26,7 @@ from bayescal.family_models import (
     linear_axes,
     noise_levels,
 )
-from bayescal.family_robust import free_robust, stated_robust
+from bayescal.families.robust import free_robust, stated_robust
 from bayescal.models import separable
 from bayescal.models.camera_prior import pinhole_prior, position_prior
 from bayescal.points.correspondences import Correspondences

@@ -9,6 +9,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.families import FREE, PINHOLE, STATED, JointModel
+from bayescal.comparison.leave_one_out import paired_difference
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.models.camera_prior import position_prior
 from bayescal.points.correspondences import Correspondences
@@ -36,7 +37,8 @@ def family_caveats(
         out += [f"the evidence of {model.name}: {warning}" for warning in model.warnings]
         if model.posterior is not None and not model.posterior.converged:
             out.append(f"sampling of {model.name} did not reach the stopping rule")
-    heavy = [str(m.name) for m in matter if m.pareto_k is not None and m.pareto_k > 1]
+    loos = [(m, m.loo) for m in matter if m.loo is not None]
+    heavy = [str(m.name) for m, loo in loos if loo.pareto_k is not None and loo.pareto_k > 1]
     if heavy:
         rest = f"; and of {counted(len(heavy) - 3, 'other')}" if len(heavy) > 3 else ""
         out.append(
@@ -65,17 +67,12 @@ def family_caveats(
             f"twice as wide would cost it up to {3 * math.log(2):.1f} nat; the setup's position_sd "
             "sets it"
         )
-    known = [m for m in models if m.elpd is not None and m.elpd_reliable]
-    ahead = max(known, key=lambda m: m.elpd or 0.0, default=best)
-    if (
-        ahead is not best
-        and best.elpd_reliable
-        and best.elpd_pointwise is not None
-        and ahead.elpd_pointwise is not None
-    ):
-        difference = ahead.elpd_pointwise - best.elpd_pointwise
-        total = float(difference.sum())
-        se = math.sqrt(len(difference)) * float(difference.std(ddof=1))
+    known = [m for m in models if m.loo is not None and m.loo.reliable]
+    if best in known:
+        ahead = max(known, key=lambda m: m.loo.elpd if m.loo is not None else -math.inf)
+        assert ahead.loo is not None, "it is known"
+        assert best.loo is not None, "it is known"
+        total, se = paired_difference(ahead.loo, best.loo)
         if total > max(4.0, 2 * se):
             out.append(f"leave-one-out prefers {ahead.name}, by {total:.1f} +- {se:.1f}")
     return out

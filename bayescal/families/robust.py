@@ -18,16 +18,16 @@ from bayescal.arrays import frozen
 from bayescal.comparison.families import FREE, STATED, JointModel, ModelName
 from bayescal.comparison.psis import good_k
 from bayescal.errors import InputError
-from bayescal.family_members import (
+from bayescal.families.judged import (
     Found,
-    finite,
     from_posterior,
-    from_weights,
+    from_weighted,
     judged_model,
-    random_numbers,
+    leave_one_out_of,
     shortened,
 )
-from bayescal.family_models import Axis, Wanted, check_free, moving_axes, orders_of
+from bayescal.families.members import random_numbers
+from bayescal.families.models import Axis, Wanted, check_free, moving_axes, orders_of
 from bayescal.inference.adaptation import adapt, effective_fraction
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.optimum import Mode, find_modes
@@ -99,9 +99,9 @@ def _from_pair(posterior: SampledPosterior) -> Found:
     kept = shortened(posterior)
     loos = [psis_loo(likelihood.T) for likelihood in pair.log_likelihoods(kept)]
     pointwise = np.sum([loo[0] for loo in loos], axis=0)
-    shape = max(float(loo[2].max()) for loo in loos)
-    value, error = posterior.log_evidence, posterior.log_evidence_error
-    return Found(value, error, finite(pointwise), shape, good_k(len(kept)), posterior)
+    shape = np.concatenate([loo[2] for loo in loos])
+    loo = leave_one_out_of(pointwise, shape, good_k(len(kept)))
+    return Found(posterior.log_evidence, posterior.log_evidence_error, loo, posterior)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,10 +136,10 @@ def free_robust(
         rng = random_numbers(settings, family, (1, *made.name.orders))
         if made is best:
             sample = partial(sample_model, model, rng, settings.ess)
-            found = from_posterior(source.sampled(key, model, sample))
+            found = from_posterior(source.sampled(key, model, sample), model.log_likelihood)
         else:
             draw = partial(_weighed, made, rng)
-            found = from_weights(model, source.weighted(key, model, draw))
+            found = from_weighted(source.weighted(key, model, draw), model.log_likelihood)
         place = frozen(model.position(made.modes[0].theta[None])[0])
         out.append(judged_model(made.name, _count(model.names), None, len(points), found, place))
     return out

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.special import softmax
 
-from bayescal.arrays import Array, frozen
+from bayescal.arrays import frozen
 from bayescal.comparison.families import (
     FREE,
     PINHOLE,
     STATED,
     FamilyRequest,
+    JointLeaveOneOut,
     JointModel,
     ModelName,
 )
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
-from bayescal.comparison.psis import good_k
-from bayescal.family_models import (
+from bayescal.families.judged import from_posterior, from_weighted, judged_model
+from bayescal.families.models import (
     FAMILIES,
     Axis,
     NoiseLevels,
@@ -34,10 +33,9 @@ from bayescal.family_models import (
     pinhole_model,
 )
 from bayescal.inference.adaptation import adapt
-from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.closed_form import ExactPosterior, exact_posterior
-from bayescal.inference.estimate import EvidenceEstimate
-from bayescal.inference.estimate import from_weights as evidence_of
+from bayescal.inference.estimate import EvidenceEstimate, from_weights
+from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode
@@ -47,7 +45,7 @@ from bayescal.inference.position_search import position_mode
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.inference.t_mixture import TMixture
-from bayescal.inference.weighting import WeightedDraws, weigh
+from bayescal.inference.weighting import WeightedDraws, drawn, weigh
 from bayescal.points.correspondences import Correspondences
 from bayescal.settings import Settings
 from bayescal.sources import DrawsSource
@@ -55,13 +53,8 @@ from bayescal.sources import DrawsSource
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
 POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
-# Share of the weight of all that one weighted draw may have: of its copies the tail that tells
-# of a point left out would be made.
-HEAVIEST = 0.02
-LOO_DRAWS = 4000  # of a sampled model, at most twice as many
-# Draws of the evidence without a point that leave-one-out from the draws fails for, and the
-# most such points that are worth it.
-REFIT_DRAWS, MOST_REFITS = 4000, 20
+# Draws of the evidence without a point that leave-one-out from the draws fails for.
+REFIT_DRAWS = 4000
 Progress = Callable[[str, int], None]
 
 
@@ -86,7 +79,9 @@ def stated_members(
         rss = np.array([r.model.factors.rss(k), c.model.factors.rss(m)])
         likelihood = data.log_likelihood(rss)
         count = r.model.size + c.model.size + sum(data.inferred)
-        pointwise = lr.pointwise + lc.pointwise if lr is not None and lc is not None else None
+        loo = None
+        if lr is not None and lc is not None:
+            loo = JointLeaveOneOut(frozen(lr.pointwise + lc.pointwise))
         aic, bic = criteria_of(likelihood, count, n)
         out.append(
             JointModel(
@@ -97,20 +92,12 @@ def stated_members(
                 bic,
                 zr + zc,
                 math.hypot(er, ec),
-                *_elpd(pointwise),
-                None,
+                loo,
                 frozen(points.setup.position),
                 exact=(r, c),
             )
         )
     return out
-
-
-def _elpd(pointwise: Array | None) -> tuple[float | None, float | None, Array | None]:
-    if pointwise is None:
-        return None, None, None
-    se = math.sqrt(len(pointwise)) * float(pointwise.std(ddof=1))
-    return float(pointwise.sum()), se, frozen(pointwise)
 
 
 def free_members(
@@ -131,17 +118,33 @@ def free_members(
     out = []
     for name, model, likelihood, mode in built:
         count = sum(a.size for a in model.axes) + sum(a.noise.value is None for a in axes) + 3
-        proposal, rng = mixture_about((mode,), np.zeros(1)), _rng(settings, name)
+        proposal, rng = _about(mode), _rng(settings, name)
+        without = partial(_without_position, model, settings, name)
         if name == best:
             guess = proposal, (mode,)
             sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
-            found = from_posterior(source.sampled(name.key, model, sample))
+            posterior = source.sampled(name.key, model, sample)
+            found = from_posterior(posterior, model.log_left_out, without)
         else:
             draw = partial(_weighed, model, mode, proposal, rng)
-            found = from_weights(model, source.weighted(name.key, model, draw))
+            weighted = source.weighted(name.key, model, draw)
+            found = from_weighted(weighted, model.log_left_out, without)
         start = model.start
         out.append(judged_model(name, count, likelihood, len(points), found, start))
     return out
+
+
+def _about(mode: Mode) -> TMixture:
+    return mixture_about((mode,), np.zeros(1))
+
+
+def _without_position(
+    model: FreePositionModel, settings: Settings, name: ModelName, point: int
+) -> EvidenceEstimate:
+    """Evidence of the other points, by weighted draws."""
+    rest, rng = model.without(point), _rng(settings, name, point + 1)
+    proposal = _about(position_mode(rest))
+    return from_weights(drawn(rest, proposal, rng, WEIGHTED_DRAWS)[1])
 
 
 def _weighed(
@@ -149,94 +152,10 @@ def _weighed(
 ) -> WeightedDraws:
     """Weigh draws of Laplace's approximation; where they can't be trusted, of an adapted one."""
     draws = weigh(model, proposal, rng, WEIGHTED_DRAWS)
-    if evidence_of(draws.log_weights).certain:
+    if from_weights(draws.log_weights).certain:
         return draws
     adapted = adapt(model.log_prob, (mode,), rng).proposal
     return weigh(model, adapted, rng, POSITION_DRAWS)
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """What draws say of a model."""
-
-    log_evidence: float
-    error: float
-    pointwise: Array | None
-    pareto_k: float
-    k_limit: float | None
-    posterior: SampledPosterior | None
-    doubts: tuple[str, ...] = ()
-    weighted: WeightedDraws | None = None
-    refitted: tuple[int, ...] = ()
-
-
-def shortened(posterior: SampledPosterior) -> Array:
-    """Completed draws, every so many of them, ``(n, n_full)``."""
-    full = posterior.full.reshape(-1, posterior.full.shape[2])
-    return full[:: max(1, len(full) // LOO_DRAWS)]
-
-
-def from_posterior(
-    posterior: SampledPosterior, without: Callable[[int], EvidenceEstimate] | None = None
-) -> Found:
-    """Evidence and leave-one-out of a sampled model.
-
-    Where a point's weights have too heavy a tail, its term comes from the evidence `without`
-    it, if that is to be had: ln p(t_i | the others) = ln Z - ln Z_-i.
-    """
-    kept = shortened(posterior)
-    pointwise, _, shape = psis_loo(posterior.model.log_likelihood(kept).T)
-    value, error, limit = posterior.log_evidence, posterior.log_evidence_error, good_k(len(kept))
-    heavy = [int(i) for i in np.flatnonzero(~(shape < limit))]
-    refitted = []
-    if without is not None and len(heavy) <= MOST_REFITS:
-        for i in heavy:
-            rest = without(i)
-            if rest.certain:
-                pointwise[i], shape[i] = value - rest.log_evidence, rest.pareto_k
-                refitted.append(i)
-    told, largest = finite(pointwise), float(shape.max())
-    return Found(value, error, told, largest, limit, posterior, refitted=tuple(refitted))
-
-
-def from_weights(model: SampledModel, draws: WeightedDraws) -> Found:
-    """Find the same by importance sampling alone."""
-    estimate = evidence_of(draws.log_weights)
-    value, error, doubts = estimate.log_evidence, estimate.error, estimate.warnings
-    if float(softmax(draws.log_weights).max()) > HEAVIEST:
-        return Found(value, error, None, math.inf, None, None, doubts, draws)
-    pointwise, _, shape = psis_loo(model.log_likelihood(draws.full).T)
-    limit, largest = good_k(len(draws.full)), float(shape.max())
-    return Found(value, error, finite(pointwise), largest, limit, None, doubts, draws)
-
-
-def finite(pointwise: Array) -> Array | None:
-    """Leave-one-out of every point; None where too few draws count to tell of one."""
-    return pointwise if np.isfinite(pointwise).all() else None
-
-
-def judged_model(
-    name: ModelName, count: int, likelihood: float | None, n: int, found: Found, position: Array
-) -> JointModel:
-    """Make a member of what was found; without a likelihood there are no AIC and BIC."""
-    aic, bic = (None, None) if likelihood is None else criteria_of(likelihood, count, n)
-    return JointModel(
-        name,
-        count,
-        likelihood,
-        aic,
-        bic,
-        found.log_evidence,
-        found.error,
-        *_elpd(found.pointwise),
-        found.pareto_k,
-        position,
-        found.posterior,
-        found.doubts,
-        found.k_limit,
-        weighted=found.weighted,
-        refitted=found.refitted,
-    )
 
 
 def pinhole_members(
@@ -262,7 +181,7 @@ def pinhole_members(
         theta = model.geometry.full(model.fit.free[None])
         position_found = frozen(model.geometry.position(theta)[0])
         likelihood = model.fit.log_likelihood if model.gaussian else None
-        found = from_posterior(posterior, _without(model, settings, name))
+        found = from_posterior(posterior, model.log_likelihood, _without(model, settings, name))
         out.append(judged_model(name, count, likelihood, len(points), found, position_found))
     return out
 

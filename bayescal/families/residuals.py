@@ -6,7 +6,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.families import PINHOLE, FamilyComparison, JointModel
-from bayescal.family_models import linear_axes
+from bayescal.families.models import linear_axes
 from bayescal.inference.moving_axis import MovingAxis
 from bayescal.inference.pinhole import PinholeModel
 

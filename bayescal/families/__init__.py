@@ -1,0 +1,1 @@
+"""Families of models of r and c together: built, sampled or weighed, and judged."""
