@@ -31,10 +31,10 @@ class Criteria:
     """
 
     n_parameters: int
-    log_likelihood: float | None
-    aic: float | None
-    aicc: float | None
-    bic: float | None
+    log_likelihood: float | None = None
+    aic: float | None = None
+    aicc: float | None = None
+    bic: float | None = None
 
 
 def criteria(fit: LeastSquaresFit, noise: NoiseLevel, n: int, log_sd: float = 0.0) -> Criteria:
@@ -87,7 +87,7 @@ def criteria_from(
     inferred = noise.value is None
     k = n_coefficients + inferred
     if exact:
-        return Criteria(k, None, None, None, None)
+        return Criteria(k)
     if noise.value is None:
         log_likelihood = -n / 2 * (LOG_2PI + math.log(rss / n) + 1) - log_sd
     else:

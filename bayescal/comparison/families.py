@@ -10,6 +10,8 @@ from bayescal.arrays import Array
 from bayescal.points.correspondences import Correspondences
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
+    from bayescal.comparison.criteria import Criteria
+    from bayescal.comparison.goodness import GoodnessOfFit
     from bayescal.inference.closed_form import ExactPosterior
     from bayescal.inference.sampled_posterior import SampledPosterior
     from bayescal.inference.weighting import WeightedDraws
@@ -133,13 +135,10 @@ class JointModel:
     Attributes
     ----------
     name : ModelName
-    n_parameters : int
-        K: coefficients, inferred sigmas and the position where it is free.
-    log_likelihood : float or None
-        Maximised, with every constant; None under robust noise, whose likelihood may have no
-        maximum (a sigma that shrinks about a few points).
-    aic, bic : float or None
-        n counts points; None without it.
+    criteria : Criteria
+        K counts coefficients, inferred sigmas and the position where it is free; n counts points.
+        There are no criteria of an exact fit, nor under robust noise, whose likelihood may have
+        no maximum (a sigma that shrinks about a few points).
     log_evidence : float
         Natural log.
     log_evidence_error : float
@@ -156,15 +155,14 @@ class JointModel:
         Why an evidence that was had without sampling should not be trusted.
     exact : tuple of ExactPosterior
         Of r and of c, at the stated position of a linear family; empty elsewhere.
+    goodness : GoodnessOfFit or None
+        Chi-squared of both axes, where no sigma is inferred.
     weighted : WeightedDraws or None
         Of a model that has no closed form and was not sampled.
     """
 
     name: ModelName
-    n_parameters: int
-    log_likelihood: float | None
-    aic: float | None
-    bic: float | None
+    criteria: Criteria
     log_evidence: float
     log_evidence_error: float
     loo: JointLeaveOneOut | None
@@ -172,6 +170,7 @@ class JointModel:
     posterior: SampledPosterior | None = None
     doubts: tuple[str, ...] = ()
     exact: tuple[ExactPosterior, ...] = ()
+    goodness: GoodnessOfFit | None = None
     weighted: WeightedDraws | None = None
 
     @property

@@ -66,7 +66,7 @@ class GoodnessOfFit:
     chi2 : float or None
         Sum of squared standardised residuals.
     dof : int
-        n - p.
+        n - p; of r and c together 2n - p.
     chi2_reduced : float or None
         chi2 / dof.
     chi2_reduced_sd : float or None
@@ -102,11 +102,8 @@ def goodness_of_fit(
     -------
     GoodnessOfFit
     """
-    dof = fit.dof
+    dof, f_p = fit.dof, None
     chi2 = None if reference.value is None else fit.rss / reference.value**2
-    p = p_lower = f_p = None
-    if reference.source == "known" and chi2 is not None and dof > 0:
-        p, p_lower = float(chdtrc(dof, chi2)), float(chdtr(dof, chi2))
     if reference.source == "replicates" and reference.value and reference.dof:
         lacking = dof - reference.dof
         if lacking > 0:
@@ -117,12 +114,24 @@ def goodness_of_fit(
         dropped = highest.order - fit.order
         f = (fit.rss - highest.rss) / dropped / reference.value**2
         f_p = float(fdtrc(dropped, highest.dof, max(f, 0.0)))
-    return GoodnessOfFit(
-        chi2,
-        dof,
-        chi2 / dof if chi2 is not None and dof > 0 else None,
-        math.sqrt(2 / dof) if dof > 0 else None,
-        p,
-        p_lower,
-        f_p,
-    )
+    return chi_squared(chi2, dof, known=reference.source == "known", f_p_value=f_p)
+
+
+def chi_squared(
+    chi2: float | None, dof: int, *, known: bool, f_p_value: float | None = None
+) -> GoodnessOfFit:
+    """Judge a chi-squared, with its tails where sigma is `known`.
+
+    Parameters
+    ----------
+    chi2 : float or None
+    dof : int
+    known : bool
+    f_p_value : float, optional
+        To go with it.
+    """
+    if chi2 is None or dof <= 0:
+        spread = math.sqrt(2 / dof) if dof > 0 else None
+        return GoodnessOfFit(chi2, dof, None, spread, None, None, f_p_value)
+    upper, lower = (float(chdtrc(dof, chi2)), float(chdtr(dof, chi2))) if known else (None, None)
+    return GoodnessOfFit(chi2, dof, chi2 / dof, math.sqrt(2 / dof), upper, lower, f_p_value)

@@ -33,7 +33,11 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.settings import Settings
 from bayescal.sources import Computed, DrawsSource
 
-EQUAL = ("families are equally probable beforehand; within one its positions, then its orders",)
+EQUAL = "families are equally probable beforehand; within one its positions, then its orders"
+ONE_NOISE = (
+    "errors of the world coordinates: as pixels by the slopes of the separable polynomials at the "
+    "stated position, the same for every model"
+)
 
 
 def compare_joint(
@@ -102,8 +106,13 @@ def compare_joint(
         priors,
         levels.words,
         verdict,
-        EQUAL,
+        (EQUAL, ONE_NOISE) if _world_errors(points) else (EQUAL,),
     )
+
+
+def _world_errors(points: Correspondences) -> bool:
+    sigma = points.world_sigma()
+    return sigma is not None and bool(sigma.any())
 
 
 def check_request(request: FamilyRequest, settings: Settings) -> None:

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from bayescal.comparison.families import FREE
 from bayescal.comparison.results import Comparison
 from bayescal.errors import InputError
-from bayescal.families.models import Axis, criteria_of, free_model, joint_data, pinhole_model
+from bayescal.families.models import Axis, free_model, joint_criteria, joint_data, pinhole_model
 from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.pinhole_proposal import ladder
 from bayescal.inference.position_search import position_mode
@@ -46,14 +46,16 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
     if not found:
         return None
     best = max(found, key=lambda rival: rival.log_evidence)
-    gain, lower = 2 * (best.log_evidence - stated), bic - best.bic
+    gain = 2 * (best.log_evidence - stated)
     if gain < DECISIVE:
         return None
     x, y, z = best.position
-    changed = f"{'lower' if lower > 0 else 'higher'} by {abs(lower):.0f}"
+    changed = ""
+    if best.bic is not None:
+        changed = f", BIC {'lower' if best.bic < bic else 'higher'} by {abs(bic - best.bic):.0f}"
     return (
         f"{best.name} with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g}) describes these "
-        f"points decisively better: 2 ln B about {gain:.0f} (Laplace), BIC {changed}; "
+        f"points decisively better: 2 ln B about {gain:.0f} (Laplace){changed}; "
         "see compare --family separable,pinhole --position stated,free"
     )
 
@@ -63,7 +65,7 @@ class _Rival:
     """A model that might beat the recommended orders at the stated position."""
 
     log_evidence: float
-    bic: float
+    bic: float | None  # None of an exact fit
     name: str
     position: tuple[float, ...]
 
@@ -72,11 +74,10 @@ def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> 
     """Fit the models of the hint, as far as the points allow."""
     r, c = (Axis(a.data, a.noise, a.prior, a.noise_source) for a in (result.axes[n] for n in AXES))
     k, m = (result.axes[name].chosen.order for name in AXES)
-    data, n, out = joint_data((r, c)), len(points), []
+    data, out = joint_data((r, c)), []
     with contextlib.suppress(*NO_MODEL):
-        model, likelihood = free_model(points, (r, c), (k, m))
-        count = k + m + 5 + sum(data.inferred)
-        bic = criteria_of(likelihood, count, n)[1]
+        model, rss = free_model(points, (r, c), (k, m))
+        bic = joint_criteria(data, rss, k + m + 5 + sum(data.inferred)).bic
         mass = position_mode(model).log_mass
         out.append(_Rival(mass, bic, f"separable ({k}, {m})", tuple(model.start.tolist())))
     with contextlib.suppress(*NO_MODEL):
@@ -86,7 +87,7 @@ def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> 
             _, log_mass = ladder(pinhole)
             position = pinhole.geometry.position(pinhole.geometry.full(pinhole.fit.free[None]))[0]
             count = pinhole.geometry.dimension + sum(data.inferred)
-            bic = criteria_of(pinhole.fit.log_likelihood, count, n)[1]
+            bic = joint_criteria(data, pinhole.fit.rss, count).bic
             mass = float(logsumexp(log_mass))
             out.append(_Rival(mass, bic, f"pinhole of order {order}", tuple(position.tolist())))
     return out

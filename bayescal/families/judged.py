@@ -9,9 +9,10 @@ import numpy as np
 from scipy.special import softmax
 
 from bayescal.arrays import Array, frozen
+from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families import JointLeaveOneOut, JointModel, ModelName
+from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.psis import good_k, thinned
-from bayescal.families.models import criteria_of
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.sampled_posterior import SampledPosterior
@@ -98,21 +99,22 @@ def leave_one_out_of(
 
 
 def judged_model(
-    name: ModelName, count: int, likelihood: float | None, n: int, found: Found, position: Array
+    name: ModelName,
+    criteria: Criteria,
+    found: Found,
+    position: Array,
+    goodness: GoodnessOfFit | None = None,
 ) -> JointModel:
-    """Make a member of what was found; without a likelihood there are no AIC and BIC."""
-    aic, bic = (None, None) if likelihood is None else criteria_of(likelihood, count, n)
+    """Make a member of what was found."""
     return JointModel(
         name,
-        count,
-        likelihood,
-        aic,
-        bic,
+        criteria,
         found.log_evidence,
         found.error,
         found.loo,
         position,
         found.posterior,
         found.doubts,
+        goodness=goodness,
         weighted=found.weighted,
     )

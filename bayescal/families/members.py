@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from bayescal.arrays import frozen
+from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families import (
     FREE,
     PINHOLE,
@@ -25,10 +26,11 @@ from bayescal.families.models import (
     Axis,
     NoiseLevels,
     Wanted,
-    check_free,
-    criteria_of,
+    check_orders,
     free_model,
+    joint_criteria,
     joint_data,
+    joint_goodness,
     orders_of,
     pinhole_model,
 )
@@ -62,7 +64,7 @@ def stated_members(
     family: str, axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences
 ) -> list[JointModel]:
     """Models at the stated position: products of two axes, each in closed form."""
-    data, n = joint_data(axes), len(points)
+    data = joint_data(axes)
     exact: list[dict[int, tuple[ExactPosterior, float, float, LeaveOneOut | None]]] = []
     for i, axis in enumerate(axes):
         by_order = {}
@@ -77,24 +79,20 @@ def stated_members(
     for named, k, m in orders:
         (r, zr, er, lr), (c, zc, ec, lc) = exact[0][k], exact[1][m]
         rss = np.array([r.model.factors.rss(k), c.model.factors.rss(m)])
-        likelihood = data.log_likelihood(rss)
         count = r.model.size + c.model.size + sum(data.inferred)
         loo = None
         if lr is not None and lc is not None:
             loo = JointLeaveOneOut(frozen(lr.pointwise + lc.pointwise))
-        aic, bic = criteria_of(likelihood, count, n)
         out.append(
             JointModel(
                 ModelName(family, named, STATED),
-                count,
-                likelihood,
-                aic,
-                bic,
+                joint_criteria(data, rss, count),
                 zr + zc,
                 math.hypot(er, ec),
                 loo,
                 frozen(points.setup.position),
                 exact=(r, c),
+                goodness=joint_goodness(data, rss, count),
             )
         )
     return out
@@ -109,15 +107,16 @@ def free_members(
     source: DrawsSource,
 ) -> list[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
-    check_free(axes, orders, points)
-    built = []
+    check_orders(axes, orders)
+    data, built = joint_data(axes), []
     for named, k, m in orders:
-        model, likelihood = free_model(points, axes, (k, m))
+        model, rss = free_model(points, axes, (k, m))
+        count = sum(a.size for a in model.axes) + sum(data.inferred) + 3
+        likelihood = joint_criteria(data, rss, count), joint_goodness(data, rss, count)
         built.append((ModelName(family, named, FREE), model, likelihood, position_mode(model)))
     best = max(built, key=lambda b: b[3].log_mass)[0]
     out = []
-    for name, model, likelihood, mode in built:
-        count = sum(a.size for a in model.axes) + sum(a.noise.value is None for a in axes) + 3
+    for name, model, (criteria, goodness), mode in built:
         proposal, rng = _about(mode), _rng(settings, name)
         without = partial(_without_position, model, settings, name)
         if name == best:
@@ -129,8 +128,7 @@ def free_members(
             draw = partial(_weighed, model, mode, proposal, rng)
             weighted = source.weighted(name.key, model, draw)
             found = from_weighted(weighted, model.log_left_out, without)
-        start = model.start
-        out.append(judged_model(name, count, likelihood, len(points), found, start))
+        out.append(judged_model(name, criteria, found, model.start, goodness))
     return out
 
 
@@ -176,13 +174,15 @@ def pinhole_members(
         name = ModelName(PINHOLE, (k,), position)
         sample = partial(_sample_pinhole, model, _rng(settings, name), settings.ess)
         posterior = source.sampled(name.key, model, sample)
-        count = model.geometry.dimension + sum(levels.data.inferred)
-        count += 0 if model.gaussian else 2 * model.noise.dimension
+        count = model.geometry.dimension + sum(levels.data.inferred) + 2 * model.noise.dimension
+        criteria, goodness = Criteria(count), None
+        if model.gaussian:
+            criteria = joint_criteria(levels.data, model.fit.rss, count)
+            goodness = joint_goodness(levels.data, model.fit.rss, count)
         theta = model.geometry.full(model.fit.free[None])
         position_found = frozen(model.geometry.position(theta)[0])
-        likelihood = model.fit.log_likelihood if model.gaussian else None
         found = from_posterior(posterior, model.log_likelihood, _without(model, settings, name))
-        out.append(judged_model(name, count, likelihood, len(points), found, position_found))
+        out.append(judged_model(name, criteria, found, position_found, goodness))
     return out
 
 

@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayescal.arrays import Array, frozen
+from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families import PINHOLE, STATED
+from bayescal.comparison.goodness import GoodnessOfFit, chi_squared
 from bayescal.errors import InputError
 from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.gaussian_pinhole import GaussianPinhole
-from bayescal.inference.least_squares import factorise
+from bayescal.inference.least_squares import factorise, only_rounding
 from bayescal.inference.model import LinearModel
 from bayescal.inference.moving_axis import MovingAxis
 from bayescal.inference.pinhole import PinholeModel
@@ -129,8 +131,8 @@ def orders_of(orders: Wanted, axis: int) -> list[int]:
     return sorted({(k, m)[axis] for _, k, m in orders})
 
 
-def check_free(axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences) -> None:
-    """Refuse orders that the points can't determine, and errors of world coordinates.
+def check_orders(axes: tuple[Axis, Axis], orders: Wanted) -> None:
+    """Refuse orders that the points can't determine.
 
     Raises
     ------
@@ -138,16 +140,34 @@ def check_free(axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences)
     """
     for i, axis in enumerate(axes):
         axis.data.check(max(orders_of(orders, i)))
-        if axis.data.x_sd is not None and axis.data.x_sd.any():
-            raise InputError(
-                f"{points.source}: errors of the world coordinates with a free camera position "
-                "are not available; drop sigma_x, sigma_y, sigma_z or --position free"
-            )
 
 
-def criteria_of(log_likelihood: float, k: int, n: int) -> tuple[float, float]:
-    """Give AIC and BIC of K parameters; n counts points."""
-    return -2 * log_likelihood + 2 * k, -2 * log_likelihood + k * math.log(n)
+def joint_criteria(data: JointData, rss: Array, k: int) -> Criteria:
+    """Likelihood criteria of K parameters, from the weighted `rss` of each axis, ``(2,)``.
+
+    n counts points. An axis that is fitted exactly leaves none.
+    """
+    largest = np.abs(data.pixels / data.deviations).max(axis=1)
+    if any(map(only_rounding, rss.tolist(), [data.n] * 2, largest.tolist())):
+        return Criteria(k)
+    value = data.log_likelihood(rss)
+    return Criteria(k, value, -2 * value + 2 * k, None, -2 * value + k * math.log(data.n))
+
+
+def joint_goodness(data: JointData, rss: Array, k: int) -> GoodnessOfFit | None:
+    """Chi-squared of both axes with `k` parameters, from their `rss`; None if a sigma is inferred.
+
+    Where parameters are not linear, its degrees of freedom are approximate (Andrae et al. 2010).
+    """
+    if any(level.value is None for level in data.levels):
+        return None
+    chi2 = sum(
+        q / level.value**2
+        for q, level in zip(rss.tolist(), data.levels, strict=True)
+        if level.value is not None
+    )
+    known = all(level.source == "known" for level in data.levels)
+    return chi_squared(chi2, 2 * data.n - k, known=known)
 
 
 def moving_axes(
@@ -163,13 +183,12 @@ def moving_axes(
 
 def free_model(
     points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int]
-) -> tuple[FreePositionModel, float]:
-    """Build a linear family's model at a free position, and its maximised log likelihood."""
+) -> tuple[FreePositionModel, Array]:
+    """Build a linear family's model at a free position; its least weighted squares, ``(2,)``."""
     prior, moving = position_prior(points), moving_axes(points, axes, orders)
     start = best_position(moving, prior)
     rss = [e @ e for e, _ in (linearised(axis, start) for axis in moving)]
-    likelihood = joint_data(axes).log_likelihood(np.array(rss))
-    return FreePositionModel(moving, prior, frozen(start)), likelihood
+    return FreePositionModel(moving, prior, frozen(start)), np.array(rss)
 
 
 def pinhole_model(

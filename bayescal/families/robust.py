@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bayescal.arrays import frozen
+from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families import FREE, STATED, JointModel, ModelName
 from bayescal.comparison.psis import good_k
 from bayescal.errors import InputError
@@ -27,7 +28,7 @@ from bayescal.families.judged import (
     shortened,
 )
 from bayescal.families.members import random_numbers
-from bayescal.families.models import Axis, Wanted, check_free, moving_axes, orders_of
+from bayescal.families.models import Axis, Wanted, check_orders, moving_axes, orders_of
 from bayescal.inference.adaptation import adapt, effective_fraction
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.optimum import Mode, find_modes
@@ -76,7 +77,7 @@ def stated_robust(
 
         found = _from_pair(source.sampled(name.key, pair, sample))
         place = frozen(points.setup.position)
-        out.append(judged_model(name, _count(pair.names), None, len(points), found, place))
+        out.append(judged_model(name, _no_criteria(pair.names), found, place))
     return out
 
 
@@ -87,9 +88,10 @@ def _axis_model(axis: Axis, order: int, settings: Settings) -> RobustLinearModel
     return RobustLinearModel.of_order(axis.data, order, axis.noise, prior, shape)
 
 
-def _count(names: tuple[str, ...]) -> int:
-    """K: everything inferred but tau, a hyperparameter."""
-    return sum(not name.startswith("tau") for name in names)
+def _no_criteria(names: tuple[str, ...]) -> Criteria:
+    """Give K alone: everything inferred but tau, a hyperparameter."""
+    k = sum(not name.startswith("tau") for name in names)
+    return Criteria(k)
 
 
 def _from_pair(posterior: SampledPosterior) -> Found:
@@ -127,7 +129,7 @@ def free_robust(
     source: DrawsSource,
 ) -> list[JointModel]:
     """Models at a free position: the best is sampled, the others are weighed."""
-    check_free(axes, orders, points)
+    check_orders(axes, orders)
     candidates = [_candidate(family, axes, wanted, points, settings) for wanted in orders]
     best = max(candidates, key=lambda c: c.log_mass)
     out = []
@@ -141,7 +143,7 @@ def free_robust(
             draw = partial(_weighed, made, rng)
             found = from_weighted(source.weighted(key, model, draw), model.log_likelihood)
         place = frozen(model.position(made.modes[0].theta[None])[0])
-        out.append(judged_model(made.name, _count(model.names), None, len(points), found, place))
+        out.append(judged_model(made.name, _no_criteria(model.names), found, place))
     return out
 
 

@@ -69,8 +69,22 @@ class Factorisation:
 
     def exact_fit(self, order: int) -> bool:
         """Whether the residuals are rounding: RSS below n (64 eps max|t|)^2."""
-        floor = 64 * np.finfo(float).eps * self.largest
-        return bool(self.rss(order) <= self.n * floor**2)
+        return only_rounding(self.rss(order), self.n, self.largest)
+
+
+def only_rounding(rss: float, n: int, largest: float) -> bool:
+    """Whether a residual sum of squares is rounding: below n (64 eps max|t|)^2.
+
+    Parameters
+    ----------
+    rss : float
+        Weighted as the pixels are.
+    n : int
+        Number of points.
+    largest : float
+        Largest weighted pixel in size.
+    """
+    return rss <= n * (64 * float(np.finfo(float).eps) * largest) ** 2
 
 
 def factorise(data: AxisData, order: int) -> Factorisation:

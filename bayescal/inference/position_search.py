@@ -159,7 +159,11 @@ def position_mode(model: FreePositionModel) -> Mode:
     evaluations where a search that knows nothing takes hundreds, and valleys a thousand times
     as long as wide are no trouble.
     """
-    place, _ = climb(model.axes, model.prior, model.start, weigh=True)
+    world = model.axes[0].world
+    # A narrow prior may hold the mode many of its deviations away from the likelihood's.
+    starts = [s for s in (model.start, model.prior.mean) if model.prior.possible(world, s[None])[0]]
+    found = [climb(model.axes, model.prior, start, weigh=True) for start in starts]
+    place = max(found, key=lambda pair: pair[1])[0]
     _, slope = _stacked(model.axes, model.prior, place, weigh=True)
     _, d, vt = np.linalg.svd(slope * model.prior.sd, full_matrices=False)
     step = SHARE * vt.T / d

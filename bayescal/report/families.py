@@ -8,14 +8,18 @@ from rich.text import Text
 
 from bayescal.comparison.families import FamilyComparison
 from bayescal.report.family_tables import (
-    assumed_lines,
     correlation_table,
     elpd_words,
-    header_lines,
     listed,
-    models_notes,
     models_table,
     parameters_table,
+)
+from bayescal.report.family_words import (
+    assumed_lines,
+    fit_words,
+    header_lines,
+    models_notes,
+    no_criteria,
     power_words,
     sampling_words,
     weak_lines,
@@ -23,7 +27,6 @@ from bayescal.report.family_tables import (
 from bayescal.report.render import indented, laid_out
 from bayescal.rounding import significant
 
-NO_CRITERIA = "no AIC and BIC: under this noise the likelihood may have no maximum."
 NOT_SOUND = "NOT SOUND: some draws did not converge; see the caveats."
 
 
@@ -31,8 +34,8 @@ def families_view(found: FamilyComparison) -> RenderableType:
     """Everything that ``compare --family`` prints."""
     rows = listed(found)
     parts: list[RenderableType] = [_header(found), laid_out(models_table(found, rows))]
-    known = [m.bic for m in found.models if m.bic is not None]
-    criteria = NO_CRITERIA
+    known = [m.criteria.bic for m in found.models if m.criteria.bic is not None]
+    criteria = no_criteria(found)
     if known:
         criteria = f"dBIC above {min(known):.2f}, n counts points ({len(found.points)})."
     notes = [
@@ -41,9 +44,11 @@ def families_view(found: FamilyComparison) -> RenderableType:
         "the best, with the paired one.",
     ]
     parts += [*indented([*notes, *models_notes(found, rows, "--json has them")]), _verdict(found)]
-    sampled = next((m for m in found.models if m.posterior is not None), None)
-    if sampled is not None:
-        parts += [Text(""), laid_out(parameters_table(sampled)), _sampling(found)]
+    told = next((m for m in found.models if m.posterior is not None or m.exact), None)
+    if told is not None:
+        parts += [Text(""), laid_out(parameters_table(told))]
+    if any(m.posterior is not None for m in found.models):
+        parts.append(_sampling(found))
     return Group(*parts)
 
 
@@ -53,16 +58,17 @@ def joint_fit_view(found: FamilyComparison) -> RenderableType:
     parts: list[RenderableType] = [_header(found)]
     error = significant(model.log_evidence_error, 1)
     evidence = f"{model.log_evidence:.3f} " + ("(closed form)" if model.exact else f"+- {error}")
-    criteria = NO_CRITERIA
-    if model.log_likelihood is not None:
+    known, criteria = model.criteria, no_criteria(found)
+    if known.log_likelihood is not None:
         criteria = (
-            f"ln L maximised {model.log_likelihood:.3f}, AIC {model.aic:.2f}, BIC {model.bic:.2f}"
+            f"ln L maximised {known.log_likelihood:.3f}, AIC {known.aic:.2f}, BIC {known.bic:.2f}"
         )
     facts = [
-        f"{model.name}: K = {model.n_parameters}, {criteria}",
+        f"{model.name}: K = {known.n_parameters}, {criteria}",
         f"ln evidence {evidence}"
         + ("" if loo is None else f"; elpd {elpd_words(loo)} +- {loo.se:.1f}"),
     ]
+    facts += filter(None, [fit_words(model)])
     parts += [Text(line) for line in facts]
     parts += [Text(f"caveat: {c}.") for c in found.verdict.caveats]
     if model.posterior is not None:

@@ -77,16 +77,19 @@ def families_schema() -> dict[str, Any]:
 
 
 def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str, Any]:
-    name, loo = model.name, model.loo
+    name, loo, goodness = model.name, model.loo, model.goodness
     return {
         "name": str(name),
         "family": name.family,
         "orders": list(name.orders),
         "position": name.position,
-        "n_parameters": model.n_parameters,
-        "log_likelihood_max": model.log_likelihood,
-        "aic": model.aic,
-        "bic": model.bic,
+        "n_parameters": model.criteria.n_parameters,
+        "log_likelihood_max": model.criteria.log_likelihood,
+        "aic": model.criteria.aic,
+        "bic": model.criteria.bic,
+        "chi2": None if goodness is None else goodness.chi2,
+        "dof": None if goodness is None else goodness.dof,
+        "chi2_p_value": None if goodness is None else goodness.p_value,
         "log_evidence": model.log_evidence,
         "log_evidence_error": model.log_evidence_error,
         "evidence_warnings": list(model.warnings),

@@ -10,22 +10,19 @@ from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
 from bayescal.comparison.families import (
-    PINHOLE,
     FamilyComparison,
     JointLeaveOneOut,
     JointModel,
 )
 from bayescal.comparison.leave_one_out import paired_difference
 from bayescal.comparison.verdict import percent
-from bayescal.comparison.weak import correlation, weak_combinations
+from bayescal.comparison.weak import correlation
 from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.inference.sampled_posterior import SampledPosterior
-from bayescal.models import bivariate
 from bayescal.points.setup import AXES
 from bayescal.report.grid import Cell, Column, Table, number_cell
-from bayescal.report.noise import shape_words
-from bayescal.rounding import counted, rounded, significant
+from bayescal.rounding import rounded, significant
 
 UNITS = {
     "focal": "px",
@@ -39,7 +36,6 @@ UNITS = {
 }
 # The most probable models, and the best of every family and position.
 LISTED = 12
-FEW = 100  # points, below which leave-one-out's own errors are too small
 EXACT = 1e-5  # nat: an error below it is of rounding
 
 
@@ -60,31 +56,12 @@ def listed(found: FamilyComparison) -> list[int]:
     return out
 
 
-def header_lines(found: FamilyComparison) -> list[str]:
-    """Points and camera, a line each."""
-    x, y, z = found.points.setup.position
-    return [
-        f"{len(found.points)} points from {found.points.source}, r and c jointly; camera stated at "
-        f"({x:g}, {y:g}, {z:g})"
-    ]
-
-
-def assumed_lines(found: FamilyComparison) -> list[tuple[str, str]]:
-    """Noise and priors, named."""
-    r, c = found.noise
-    shape = shape_words(found.settings.choice.model(1.0))
-    pairs = [("noise", f"{shape}; sigma of r {r}; sigma of c {c}")]
-    pairs += [("prior", line) for line in found.priors]
-    if any(m.name.family == PINHOLE for m in found.models):
-        pairs.append(("distortion", f"radial, in {found.request.radial} powers of the radius"))
-    return pairs
-
-
 def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
     """One row for each model listed, the most probable first."""
     best = found.best
-    lowest_aic = min((m.aic for m in found.models if m.aic is not None), default=0.0)
-    lowest_bic = min((m.bic for m in found.models if m.bic is not None), default=0.0)
+    every = [m.criteria for m in found.models]
+    lowest_aic = min((c.aic for c in every if c.aic is not None), default=0.0)
+    lowest_bic = min((c.bic for c in every if c.bic is not None), default=0.0)
     columns = (
         Column("family"),
         Column("order", "of r and of c in the separable family; radial coefficients of a pinhole"),
@@ -108,9 +85,9 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
                 Cell(m.name.family),
                 Cell(m.name.order, float(m.name.orders[0])),
                 Cell(m.name.position),
-                Cell(str(m.n_parameters), m.n_parameters),
-                number_cell(m.aic, lambda v: f"{v - lowest_aic:.1f}"),
-                number_cell(m.bic, lambda v: f"{v - lowest_bic:.1f}"),
+                Cell(str(m.criteria.n_parameters), m.criteria.n_parameters),
+                number_cell(m.criteria.aic, lambda v: f"{v - lowest_aic:.1f}"),
+                number_cell(m.criteria.bic, lambda v: f"{v - lowest_bic:.1f}"),
                 Cell(f"{m.log_evidence:.2f}{flag}", m.log_evidence),
                 Cell(error_words(m.log_evidence_error), m.log_evidence_error),
                 Cell("") if m.loo is None else Cell(elpd_words(m.loo), m.loo.elpd),
@@ -218,13 +195,6 @@ def _summary_cells(
     )
 
 
-def power_words(model: JointModel) -> list[str]:
-    """Say which power of a coefficient's name is whose, where it has two."""
-    if model.name.family != bivariate.NAME:
-        return []
-    return ["first power: of x/z in r (alpha), of y/z in c (beta); second: of the other."]
-
-
 def correlations(posterior: SampledPosterior) -> Array:
     """Correlation matrix of a sampled model's parameters, the same on any number of cores."""
     with threadpool_limits(1):
@@ -245,56 +215,3 @@ def correlation_table(posterior: SampledPosterior) -> Table:
     ]
     columns = (Column("correlation"), *map(Column, numbers))
     return Table(columns, tuple(rows), spare=tuple(numbers[::-1]))
-
-
-def weak_lines(posterior: SampledPosterior) -> list[str]:
-    """Name what moves together, a sentence for each combination."""
-    out = []
-    for names, shares in weak_combinations(posterior.names, correlations(posterior)):
-        parts = ", ".join(f"{n} ({s:+.2f})" for n, s in zip(names, shares, strict=True))
-        out.append(f"weakly identified together: {parts} move as one.")
-    return out
-
-
-def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> list[str]:
-    """Say what the table of models does not, and where the `rest` of the models is."""
-    shown = [found.models[i] for i in rows]
-    notes = []
-    if not all(m.sound for m in shown):
-        notes.append("! marks an evidence that should not be trusted; the caveats say why.")
-    loos = [m.loo for m in shown if m.loo is not None]
-    refits = sum(len(loo.refitted) for loo in loos)
-    if refits:
-        notes.append(
-            f"elpd: {counted(refits, 'term')} whose importance weights had too heavy a tail "
-            "(Pareto k not below 0.7, or 0.64 of 600 draws) come from the evidence without the "
-            "point."
-        )
-    if not all(loo.reliable for loo in loos):
-        notes.append(
-            "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
-            "0.7, or 0.64 of 600 draws): neither it nor its differences should be trusted."
-        )
-    if len(found.points) < FEW:
-        notes.append(
-            f"Under {FEW} points, errors of elpd differences may be up to twice too small (Sivula "
-            "et al. 2020)."
-        )
-    left = len(found.models) - len(shown)
-    if left:
-        notes.append(f"{left} less probable models are not shown ({rest}).")
-    return [*notes, *found.notes]
-
-
-def sampling_words(found: FamilyComparison) -> str:
-    """Say how the sampling of all models went; empty where none was sampled."""
-    sampled = [m.posterior for m in found.models if m.posterior is not None]
-    if not sampled:
-        return ""
-    parameters = [p for s in sampled for p in s.parameters]
-    return (
-        f"emcee, {len(sampled)} model{'s' * (len(sampled) > 1)}, seed {found.settings.seed}: "
-        f"acceptance at least {min(s.chain.acceptance for s in sampled):.2f}, ESS at least "
-        f"{min(min(p.ess_bulk, p.ess_tail) for p in parameters):.0f}, R-hat at most "
-        f"{max(p.rhat for p in parameters):.3f}."
-    )

@@ -22,9 +22,9 @@ def orders_table(axis: AxisComparison) -> Table:
         return robust_orders_table(axis)
     known = axis.reference.source == "known"
     tested = (
-        _column("p chi2", "p χ²", P_CHI2, lambda r: r.goodness.p_value, _p)
+        _column("p chi2", "p χ²", P_CHI2, lambda r: r.goodness.p_value, p_words)
         if known
-        else _column("p F", "p (F)", P_F, lambda r: r.goodness.f_p_value, _p)
+        else _column("p F", "p (F)", P_F, lambda r: r.goodness.f_p_value, p_words)
     )
     columns = [
         _column("p", "p", "number of coefficients", lambda r: r.order + 1, lambda v: f"{v:.0f}"),
@@ -167,7 +167,7 @@ def facts(axis: AxisComparison, result: OrderResult) -> tuple[tuple[str, str], .
             "p-values of chi2",
             "blank: sigma is not known"
             if good.p_value is None or good.p_value_lower is None
-            else f"upper tail {_p(good.p_value)}, lower tail {_p(good.p_value_lower)}",
+            else f"upper tail {p_words(good.p_value)}, lower tail {p_words(good.p_value_lower)}",
         ),
         ("ln L, maximised", _maybe(found.log_likelihood, lambda v: f"{v:.4f}")),
         (
@@ -222,7 +222,8 @@ def _short(value: float) -> str:
     return f"{value:.1f}" if 0.1 <= value < 1e5 else f"{value:.3g}"
 
 
-def _p(value: float) -> str:
+def p_words(value: float) -> str:
+    """Probability of a tail, to three digits."""
     if value < 0.001:
         return "<0.001"
     return f"{value:.3f}"

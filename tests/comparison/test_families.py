@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import chi2 as chi2_distribution
 
 import bayescal as bc
+from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families import (
     JointModel,
     ModelName,
@@ -18,14 +20,14 @@ from bayescal.errors import InputError
 from bayescal.families.caveats import family_caveats
 from bayescal.models.camera_prior import position_prior
 from bayescal.points.camera import StatedCamera
-from bayescal.report.families import families_view
+from bayescal.report.families import families_view, joint_fit_view
 from bayescal.report.render import render
 from tests.cameras import turned_points
 
 
 def joint(family, orders, position, evidence):
     name = ModelName(family, orders, position)
-    return JointModel(name, 5, -10, 30, 40, evidence, 0.01, None, np.zeros(3))
+    return JointModel(name, Criteria(5), evidence, 0.01, None, np.zeros(3))
 
 
 def test_a_family_gains_nothing_by_offering_more_orders():
@@ -132,19 +134,73 @@ def test_at_the_stated_position_joint_models_are_products_of_axes(
     for k in (1, 4):
         for m in (1, 4):
             pair = thesis_families[f"separable ({k}, {m}), position stated"]
-            one, other = r[k], c[m]
-            assert pair.log_evidence == pytest.approx(one.log_evidence + other.log_evidence)
-            assert pair.bic == pytest.approx(one.criteria.bic + other.criteria.bic)
-            assert pair.aic == pytest.approx(one.criteria.aic + other.criteria.aic)
-            assert pair.n_parameters == one.criteria.n_parameters + other.criteria.n_parameters
+            one, other, joint_ones = r[k].criteria, c[m].criteria, pair.criteria
+            total = r[k].log_evidence + c[m].log_evidence
+            assert pair.log_evidence == pytest.approx(total)
+            assert joint_ones.bic == pytest.approx(one.bic + other.bic)
+            assert joint_ones.aic == pytest.approx(one.aic + other.aic)
+            assert joint_ones.n_parameters == one.n_parameters + other.n_parameters
+
+
+@pytest.mark.parametrize("family", ["separable", "bivariate", "pinhole"])
+def test_an_axis_fitted_exactly_leaves_no_criteria(family):
+    """Its residuals are rounding, which has no likelihood; the evidence has a least sigma."""
+    points = bc.thesis()
+    flat = replace(points, pixels=points.pixels * [0, 1] + [5, 0])
+    found = bc.fit_family(flat, family, (1,), position="free", ess=100)
+    assert found.best.criteria == Criteria(found.best.criteria.n_parameters)
+    assert np.isfinite(found.best.log_evidence)
+    assert "residuals of an axis are rounding" in render(joint_fit_view(found), terminal=False)
+
+
+def test_chi_squared_of_joint_models_where_sigma_is_known():
+    """At the stated position the sum of both axes'; at a free one that of Gauss-Newton's fit."""
+    points = bc.thesis()
+    found = bc.compare_families(
+        points, ["separable", "pinhole"], [1], position=["stated", "free"], radial_orders=[0],
+        sigma=3.0, ess=100,
+    )  # fmt: skip
+    axes = bc.compare(points, [1], sigma=3.0, ess=100, hint=False).axes
+    chi2 = sum(axis[1].goodness.chi2 for axis in axes.values())
+    stated = found["separable (1, 1), position stated"].goodness
+    assert stated.chi2 == pytest.approx(chi2, rel=1e-12)
+    assert stated.dof == 2 * 57 - 4
+    # -2 ln L is chi-squared and constants, alike for all models.
+    for model in found.models:
+        constant = 2 * 57 * math.log(2 * math.pi * 9)
+        assert model.goodness.chi2 == pytest.approx(
+            -2 * model.criteria.log_likelihood - constant, rel=1e-9
+        )
+        assert model.goodness.p_value == pytest.approx(
+            chi2_distribution.sf(model.goodness.chi2, model.goodness.dof)
+        )
+    assert found["pinhole 0, position free"].goodness.dof == 2 * 57 - 10
+    shown = render(families_view(found), terminal=False)
+    assert f"{found.best.goodness.chi2:.1f} with {found.best.goodness.dof} dof" in shown
+    assert bc.fit_family(points, "separable", (1, 1), ess=100).best.goodness is None
+
+
+def test_errors_of_world_coordinates_at_a_free_position():
+    """They give each pixel a deviation, the same for every model, which is said."""
+    points = bc.thesis()
+    setup = replace(points.setup, world_sigma=(1.0, 1.0, 2.0))
+    camera = replace(setup.camera, position_sd=(1e-6, 1e-6, 1e-6))
+    points = replace(points, setup=replace(setup, camera=camera))
+    found = bc.compare_families(
+        points, ["separable"], [1], position=["stated", "free"], sigma=3.0, ess=100
+    )
+    stated, free = (found[f"separable (1, 1), position {p}"] for p in ("stated", "free"))
+    # Pinned to a micrometre or so: the quadratures differ by a few thousandths of a nat.
+    assert free.log_evidence == pytest.approx(stated.log_evidence, abs=0.01)
+    assert any("errors of the world coordinates" in note for note in found.notes)
 
 
 def test_thesis_data_across_families(thesis_families):
     """Joint BIC of the pair at the stated position and of the pinhole, as the design says."""
     pair = thesis_families["separable (4, 1), position stated"]
     pinhole = thesis_families["pinhole 0, position free"]
-    assert pair.bic == pytest.approx(644.1, abs=0.05)
-    assert pinhole.bic == pytest.approx(630.1, abs=0.05)
+    assert pair.criteria.bic == pytest.approx(644.1, abs=0.05)
+    assert pinhole.criteria.bic == pytest.approx(630.1, abs=0.05)
     assert thesis_families["bivariate 1, position stated"].log_evidence < pair.log_evidence - 30
     assert thesis_families.sound
     assert sum(thesis_families.probabilities) == pytest.approx(1)
@@ -188,8 +244,8 @@ def test_families_under_robust_noise_are_on_one_scale(tmp_path):
         other = light[str(model.name)]
         error = math.hypot(model.log_evidence_error, other.log_evidence_error)
         assert other.log_evidence == pytest.approx(model.log_evidence, abs=4 * error + 5e-3)
-        assert other.bic is None
-        assert model.bic is not None
+        assert other.criteria.bic is None
+        assert model.criteria.bic is not None
     heavy = bc.compare_families(bc.thesis(), ["separable"], [1], noise="student-t", **both)
     shown = render(families_view(heavy), terminal=False)
     assert max(len(line) for line in shown.splitlines()) <= 100

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 from scipy.stats import multivariate_normal, norm
 
 import bayescal as bc
-from bayescal.families.models import Axis, free_model, linear_axes, moving_axes
+from bayescal.families.models import Axis, free_model, joint_data, linear_axes, moving_axes
 from bayescal.inference.adaptation import effective_fraction
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.evidence import log_evidences
@@ -59,7 +59,8 @@ def test_slope_of_the_sum_of_squares_is_that_of_finite_differences(family):
 def test_the_best_position_is_that_of_a_search_without_slopes():
     """Joint BIC 625.6 of orders 4 and 1: what the design says of these data."""
     points = bc.thesis()
-    model, likelihood = free_model(points, axes(separable), (4, 1))
+    model, rss = free_model(points, axes(separable), (4, 1))
+    likelihood = joint_data(axes(separable)).log_likelihood(rss)
     t = [points.pixel(a) for a in "rc"]
 
     def minus_log_likelihood(position):

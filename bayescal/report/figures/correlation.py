@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 
 from bayescal.comparison.families import FamilyComparison, JointModel
 from bayescal.errors import InputError
-from bayescal.report.family_tables import correlations, weak_lines
+from bayescal.report.family_tables import correlations
+from bayescal.report.family_words import weak_lines
 from bayescal.report.figures.joint import LINES
 from bayescal.report.figures.parameters import parameter_symbol
 from bayescal.report.figures.style import BLUE, VERMILLION, WIDTH

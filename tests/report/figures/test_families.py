@@ -130,7 +130,7 @@ def test_residuals_of_polynomials_are_those_of_their_sums(
     for model in [*closed.models, *(m for m in found.models if m.name.family == "separable")]:
         rss = (joint_residuals(found if model in found.models else closed, model) ** 2).sum(axis=1)
         maximised = -n / 2 * (np.log(2 * np.pi * rss / n) + 1).sum()
-        assert maximised == pytest.approx(model.log_likelihood, abs=1e-6)
+        assert maximised == pytest.approx(model.criteria.log_likelihood, abs=1e-6)
 
 
 def test_residuals_of_a_pinhole_are_those_of_the_thesis_s_steps(found: FamilyComparison) -> None:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from bayescal.comparison.families import FamilyComparison, JointModel
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
-from bayescal.report.family_tables import (
+from bayescal.report.family_tables import listed, models_table, parameters_table
+from bayescal.report.family_words import (
     assumed_lines,
-    listed,
     models_notes,
-    models_table,
-    parameters_table,
     power_words,
     sampling_words,
     weak_lines,
