@@ -18,6 +18,7 @@ from bayescal.inference.least_squares import factorise, only_rounding
 from bayescal.inference.model import LinearModel
 from bayescal.inference.moving_axis import MovingAxis
 from bayescal.inference.pinhole import PinholeModel
+from bayescal.inference.pinhole_coordinates import suited
 from bayescal.inference.pinhole_fit import JointData, PinholeFit, fit_pinhole
 from bayescal.inference.position_search import best_position, linearised
 from bayescal.inference.robust_pinhole import RobustPinhole
@@ -208,6 +209,7 @@ def pinhole_model(
     fit: PinholeFit = fit_pinhole(points, geometry, prior, data)
     for axis, level, rss in zip(AXES, data.levels, fit.rss.tolist(), strict=True):
         check_resolved(f"{points.source}: axis {axis}", level, rss, data.n, order)
+    geometry, fit = suited(geometry, prior.position, fit)
     if not settings.choice.robust:
         return GaussianPinhole.of(geometry, prior, data, fit)
     noise = NoiseChoice(settings.noise, settings.nu, settings.bad_offset).model(1.0)

@@ -15,7 +15,8 @@ about the stated orientation (rad); the *anchor*, which stands for the camera's 
 the undistorted pixel of the points' centroid (px) and ln(f_r / its depth); d_1, d_2, ...
 (px). The data fix the anchor to a fraction of a pixel whatever the focal length is, so that
 the posterior is nearly normal in these coordinates where it is a banana in C. Where the
-position is held fixed the coordinates lack the anchor; `full` puts it in.
+position is held fixed the *free* coordinates lack the anchor, and where a prior knows the position
+better than the data do they hold C itself, from an origin, in its place; `full` puts it in.
 """
 
 from __future__ import annotations
@@ -51,6 +52,9 @@ class PinholeGeometry:
         ``"even"`` or ``"all"``.
     fixed : Array or None
         The camera position where it is held fixed, ``(3,)``, world units.
+    origin : Array or None
+        From where free coordinates count the position that they hold instead of the anchor,
+        ``(3,)``, world units.
     """
 
     world: Array
@@ -59,6 +63,7 @@ class PinholeGeometry:
     order: int
     radial: Radial = "even"
     fixed: Array | None = None
+    origin: Array | None = None
 
     @property
     def dimension(self) -> int:
@@ -67,6 +72,8 @@ class PinholeGeometry:
 
     def full(self, free: Array) -> Array:
         """All coordinates theta of the free ones, ``(n_draws, 10 + order)``."""
+        if self.origin is not None:
+            return self.to_anchor(free, self.origin + free[:, ANCHOR])
         if self.fixed is None:
             return free
         start = ANCHOR.start
@@ -76,6 +83,10 @@ class PinholeGeometry:
 
     def free(self, theta: Array) -> Array:
         """Give the free ones of all coordinates; inverse of `full`."""
+        if self.origin is not None:
+            out = theta.copy()
+            out[:, ANCHOR] = self.position(theta) - self.origin
+            return out
         if self.fixed is None:
             return theta
         return np.delete(theta, np.arange(ANCHOR.start, ANCHOR.stop), axis=1)
@@ -107,7 +118,9 @@ class PinholeGeometry:
         return np.asarray(self.centroid - turned)
 
     def log_volume(self, theta: Array) -> Array:
-        """Log of |d C / d anchor|, ``(n_draws,)``: depth^3 / (f_r f_c)."""
+        """Log of |d C / d free|, ``(n_draws,)``: of an anchor depth^3 / (f_r f_c)."""
+        if self.origin is not None:
+            return np.zeros_like(theta[:, 0])
         log_depth = theta[:, 0] - theta[:, 9]
         return np.asarray(3 * log_depth - theta[:, 0] - theta[:, 1])
 

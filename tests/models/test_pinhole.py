@@ -1,5 +1,7 @@
 """The pinhole for many draws at once, against the steps of chapter 3 and finite differences."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -75,6 +77,20 @@ def test_anchor_and_position_are_inverse_with_the_stated_volume():
     # Differences of positions of 1e2 over 1e-6: 1e-8 of each entry, over entries down to 0.1.
     expected = np.linalg.slogdet(jacobian)[1]
     assert geometry.log_volume(theta)[0] == pytest.approx(expected, abs=1e-5)
+
+
+def test_a_position_held_itself_is_a_free_coordinate():
+    geometry, _, _ = problem(bc.thesis(), 1)
+    theta = draws(geometry)
+    held = replace(geometry, origin=np.array([330.0, 57.0, 0.0]))
+    free = held.free(theta)
+    np.testing.assert_allclose(held.full(free), theta, rtol=1e-12)
+    np.testing.assert_allclose(free[:, 7:10] + held.origin, geometry.position(theta), rtol=1e-12)
+    assert (held.log_volume(theta) == 0).all()
+    up, down = (held.project(held.full(free[:1] + s * 1e-4 * np.eye(11)))[0] for s in (1, -1))
+    slopes = np.moveaxis(up - down, 0, 2) / 2e-4
+    # Rounding of pixels of 1e3 over the step.
+    np.testing.assert_allclose(held.jacobian(free[0]), slopes, rtol=1e-4, atol=1e-6)
 
 
 def test_prior_density_is_the_product_of_its_factors():
