@@ -43,7 +43,7 @@ def test_a_position_pinned_to_a_point_has_the_evidence_of_a_fixed_one(order):
 
 def test_both_kinds_of_coordinates_have_the_same_evidence():
     """Where prior and data know about as much of the position, either will do."""
-    points = stated_to(1.5)
+    points = stated_to(0.5)
     geometry, prior, data = problem(points, 0)
     fit = fit_pinhole(points, geometry, prior, data)
     anchored = type(model_of(points, 0)).of(geometry, prior, data, fit)
