@@ -8,6 +8,7 @@ from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import Posterior
 from bayescal.models.noise.level import NoiseLevel
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.notes import behind_notes, point_notes
 
 # Posterior mass of sigma near a bound that is worth a caveat.
 PILE = 0.01
@@ -83,7 +84,7 @@ def common_caveats(
 
 
 def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str, ...]:
-    """Say what was assumed because nobody said otherwise.
+    """Say what is odd about the points, and what was assumed because nobody said otherwise.
 
     Parameters
     ----------
@@ -94,23 +95,13 @@ def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str,
     -------
     tuple of str
     """
-    setup = points.setup
-    found = []
-    if "position" in setup.assumed:
-        found.append(f"camera position {setup.position} is assumed")
-    found += [
-        f"image {name} {getattr(setup, name):g} px is assumed"
-        for name in ("width", "height")
-        if name in setup.assumed
-    ]
-    for axis in axes:
-        if not axis.data.size_known:
-            found.append(
-                f"{axis.data.axis}: the image size is not known; the span of the pixels, "
-                f"{axis.data.size:g} px, stands for it in the prior"
-            )
-    behind = int((points.camera_frame()[:, 2] < 0).sum())
-    if behind:
-        verb = "lies" if behind == 1 else "lie"
-        found.append(f"{behind} of {len(points)} points {verb} behind the camera (z < 0)")
-    return tuple(found)
+    return (
+        *point_notes(points),
+        *behind_notes(points),
+        *(
+            f"{axis.data.axis}: the image size is not known; the span of the pixels, "
+            f"{axis.data.size:g} px, stands for it in the prior"
+            for axis in axes
+            if not axis.data.size_known
+        ),
+    )

@@ -30,6 +30,7 @@ from bayescal.families.robust import free_robust, stated_robust
 from bayescal.models import separable
 from bayescal.models.camera_prior import pinhole_prior, position_prior
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.notes import point_notes
 from bayescal.settings import Settings
 from bayescal.sources import Computed, DrawsSource
 
@@ -97,6 +98,11 @@ def compare_joint(
     sorted_chances = tuple(chances[i] for i in order)
     verdict = judge_families(models, sorted_chances, family_caveats(points, models, sorted_chances))
     priors = _prior_words(points, request, axes, settings)
+    notes = point_notes(points)
+    if _world_errors(points):
+        notes.append(ONE_NOISE)
+    if len(models) > 1:
+        notes.append(EQUAL)
     return FamilyComparison(
         points,
         models,
@@ -106,7 +112,7 @@ def compare_joint(
         priors,
         levels.words,
         verdict,
-        (EQUAL, ONE_NOISE) if _world_errors(points) else (EQUAL,),
+        tuple(notes),
     )
 
 

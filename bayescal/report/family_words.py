@@ -21,7 +21,8 @@ def header_lines(found: FamilyComparison) -> list[str]:
     x, y, z = found.points.setup.position
     return [
         f"{len(found.points)} points from {found.points.source}, r and c jointly; camera stated at "
-        f"({x:g}, {y:g}, {z:g})"
+        f"({x:g}, {y:g}, {z:g})",
+        *(f"note: {note}" for note in found.notes),
     ]
 
 
@@ -104,7 +105,7 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
     left = len(found.models) - len(shown)
     if left:
         notes.append(f"{left} less probable models are not shown ({rest}).")
-    return [*notes, *found.notes]
+    return notes
 
 
 def sampling_words(found: FamilyComparison) -> str:

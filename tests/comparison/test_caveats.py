@@ -12,6 +12,7 @@ from bayescal.comparison.caveats import caveats
 from bayescal.comparison.results import OrderResult
 from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.posterior import sample_posterior
+from bayescal.points.notes import point_notes
 from bayescal.points.setup import Setup
 from tests.problems import make_model, thesis_axis
 from tests.wrong_proposals import Misstated
@@ -85,3 +86,33 @@ def test_assumptions_are_noted():
     found = " ".join(bc.compare(points, [1], axis="r", ess=100).notes)
     assert "image size is not known" in found
     assert "1 of 8 points lies behind the camera" in found
+
+
+def test_points_off_the_image_and_copies_are_noted():
+    points = bc.thesis()
+    pixels = points.pixels.copy()
+    pixels[3] = [2500, 1200]
+    off = replace(points, pixels=pixels)
+    (note,) = [n for n in bc.compare(off, [1], ess=100).notes if "off the image" in n]
+    assert note.startswith("1 of 57 points lies off the image (the first at ")
+    assert "r = 2500, c = 1200" in note
+    twice = bc.Correspondences.from_arrays(
+        np.vstack([points.world, points.world[:2]]),
+        np.vstack([points.pixels, points.pixels[:2]]),
+        setup=points.setup,
+    )
+    for found in (bc.compare(twice, [1], ess=100), bc.fit_family(twice, "separable", (1, 1))):
+        (note,) = [n for n in found.notes if "exactly" in n]
+        assert note.startswith("2 of 59 points repeat another exactly (the first at ")
+        assert "point 58" in note
+    plain = " ".join(bc.compare(points, [1], ess=100).notes)
+    assert "off the image" not in plain
+    assert "exactly" not in plain
+
+
+def test_an_edge_of_the_image_is_on_it():
+    """Pixels count from their corners or their centres: half a pixel beyond is no mistake."""
+    points = bc.thesis()
+    pixels = points.pixels.copy()
+    pixels[0], pixels[1] = [-0.5, 0], [1920.5, 1080]
+    assert not any("off the image" in n for n in point_notes(replace(points, pixels=pixels)))

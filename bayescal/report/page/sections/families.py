@@ -59,7 +59,8 @@ def families_section(found: FamilyComparison) -> Section:
     """
     rows = listed(found)
     blocks: list[Block] = [*_verdict(found), _picture(found, "models")]
-    notes = tuple(_sentence(line) for line in models_notes(found, rows, "folded away below"))
+    said = [*models_notes(found, rows, "folded away below"), *found.notes]
+    notes = tuple(map(_sentence, said))
     words = "Models of r and c together, the most probable first."
     blocks.append(Tabled("families-models", words, models_table(found, rows), notes))
     if len(rows) < len(found.models):

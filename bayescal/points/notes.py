@@ -1,0 +1,70 @@
+"""What is odd about some points, or was assumed of them because nobody said otherwise."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import AXES
+from bayescal.rounding import counted
+
+
+def point_notes(points: Correspondences) -> list[str]:
+    """Say it, a line each: assumptions, points off the image, or repeated.
+
+    Parameters
+    ----------
+    points : Correspondences
+    """
+    setup = points.setup
+    found = []
+    if "position" in setup.assumed:
+        found.append(f"camera position {setup.position} is assumed")
+    found += [
+        f"image {name} {getattr(setup, name):g} px is assumed"
+        for name in ("width", "height")
+        if name in setup.assumed
+    ]
+    return found + _off_the_image(points) + _repeated(points)
+
+
+def behind_notes(points: Correspondences) -> list[str]:
+    """Say which points a camera that looks along z has behind it; one line or none."""
+    behind = int((points.camera_frame()[:, 2] < 0).sum())
+    return [f"{_of(behind, points, 'lies', 'lie')} behind the camera (z < 0)"] if behind else []
+
+
+def _of(count: int, points: Correspondences, one: str, more: str) -> str:
+    return f"{count} of {counted(len(points), 'point')} {one if count == 1 else more}"
+
+
+def _off_the_image(points: Correspondences) -> list[str]:
+    """Pixels that an image of the stated size can't hold; half a pixel beyond an edge is on it."""
+    off = np.zeros(len(points), dtype=bool)
+    for axis in AXES:
+        size, t = points.setup.size(axis), points.pixel(axis)
+        if size is not None:
+            off |= (t < -0.5) | (t > size + 0.5)
+    if not off.any():
+        return []
+    first = int(np.argmax(off))
+    r, c = points.pixels[first].tolist()
+    return [
+        f"{_of(int(off.sum()), points, 'lies', 'lie')} off the image (the first at "
+        f"{points.place(first)}: r = {r:g}, c = {c:g}); check its size, or the readings"
+    ]
+
+
+def _repeated(points: Correspondences) -> list[str]:
+    """Rows that are a copy of one before, world point and pixels alike."""
+    rows = np.column_stack([points.world, points.pixels])
+    _, first = np.unique(rows, axis=0, return_index=True)
+    copies = len(points) - len(first)
+    if not copies:
+        return []
+    which = int(np.setdiff1d(np.arange(len(points)), first)[0])
+    return [
+        f"{_of(copies, points, 'repeats', 'repeat')} another exactly (the first at "
+        f"{points.place(which)}); each counts as a reading of its own, and copies of one reading "
+        "would make every interval too narrow"
+    ]
