@@ -28,7 +28,7 @@ from bayescal.families.models import (
 )
 from bayescal.families.robust import free_robust, stated_robust
 from bayescal.models import separable
-from bayescal.models.camera_prior import pinhole_prior, position_prior
+from bayescal.models.camera_prior import check_inferred, pinhole_prior, position_prior
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.notes import point_notes
 from bayescal.settings import Settings
@@ -70,6 +70,8 @@ def compare_joint(
         Where the points can't determine a model, or a family has no such noise.
     """
     check_request(request, settings)
+    if any(FREE in request.positions_of(family) for family in request.families):
+        check_inferred(points)
     source = source or Computed()
     families, orders = request.families, request.orders
     with threadpool_limits(1):

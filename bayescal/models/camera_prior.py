@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array, frozen
+from bayescal.errors import InputError
 from bayescal.models.linear import pixel_span
 from bayescal.models.pinhole import POSE, PinholeGeometry, rotations
 from bayescal.models.priors import TAU_BOUNDS, check_tau
@@ -28,6 +29,7 @@ from bayescal.points.setup import AXES
 
 LOG_2PI = float(np.log(2 * np.pi))
 POSITION_SHARE = 0.1  # of the points' median distance from the camera
+FINEST_SHARE = 1e-10  # of the points' distance: the least sd of a position that is inferred
 ROTATION_SD = math.radians(30.0)
 FOCAL_LOG_SD, RATIO_LOG_SD = 1.0, 0.1
 CENTRE_SHARE = 0.1  # of the image
@@ -84,8 +86,27 @@ def position_prior(points: Correspondences) -> PositionPrior:
     mean = frozen(points.setup.position)
     if stated is not None:
         return PositionPrior(mean, frozen(stated), True)
-    distance = float(np.median(np.linalg.norm(points.camera_frame(), axis=1)))
-    return PositionPrior(mean, frozen([POSITION_SHARE * (distance or 1.0)] * 3), False)
+    return PositionPrior(mean, frozen([POSITION_SHARE * _distance(points)] * 3), False)
+
+
+def check_inferred(points: Correspondences) -> None:
+    """Refuse a position prior so narrow that no double tells positions within it apart.
+
+    Raises
+    ------
+    InputError
+    """
+    stated, furthest = points.setup.camera.position_sd, float(np.abs(points.world).max())
+    if stated is not None and min(stated) < FINEST_SHARE * max(_distance(points), furthest):
+        raise InputError(
+            f"{points.source}: position_sd {min(stated):g} is lost in rounding beside distances of "
+            f"{_distance(points):.3g}; --position stated holds the position exactly"
+        )
+
+
+def _distance(points: Correspondences) -> float:
+    """Median distance of the points from the stated camera, world units; 1 where it is 0."""
+    return float(np.median(np.linalg.norm(points.camera_frame(), axis=1))) or 1.0
 
 
 @dataclass(frozen=True, eq=False)

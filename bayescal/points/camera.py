@@ -51,7 +51,9 @@ class StatedCamera:
             free = one.name in ("orientation", "centre")
             if not all(abs(v) < LARGEST and (free or v > 0) for v in values):
                 what = "finite" if free else "positive and finite"
-                raise InputError(f"{one.name} must be {what}, not {value}")
+                exact = "; --position stated holds the position exactly"
+                hint = exact if one.name == "position_sd" else ""
+                raise InputError(f"{one.name} must be {what}, not {value}{hint}")
         if self.orientation_sd is not None and max(self.orientation_sd) > LARGEST_SD_DEG:
             raise InputError(f"orientation_sd must be at most {LARGEST_SD_DEG:g} degrees")
         for name in ("focal_log_sd", "ratio_log_sd"):

@@ -286,6 +286,15 @@ def test_refusals(options, match):
         bc.compare_families(bc.thesis(), **options)
 
 
+def test_a_position_prior_beyond_doubles_is_refused_where_it_is_used():
+    points = bc.thesis()
+    camera = replace(points.setup.camera, position_sd=(1e-9, 1.0, 1.0))
+    points = replace(points, setup=replace(points.setup, camera=camera))
+    with pytest.raises(InputError, match=r"lost in rounding.*--position stated"):
+        bc.fit_family(points, "separable", (1, 1), position="free")
+    assert bc.fit_family(points, "pinhole", (0,), position="stated", ess=100).sound
+
+
 def test_the_hint_is_given_where_it_is_due():
     """A turned camera: very strongly. A separable camera, and the thesis data: not."""
     turned = turned_points(0.06)
