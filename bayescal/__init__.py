@@ -37,6 +37,8 @@ _EXPORTS = {
     "fit_polynomial": "bayescal.api.polynomials",
     "least_squares": "bayescal.api.polynomials",
     "open_run": "bayescal.report.runs",
+    "opencv_camera": "bayescal.report.opencv",
+    "save_opencv": "bayescal.report.opencv",
     "save_report": "bayescal.report.page.page",
     "save_run": "bayescal.report.runs",
     "plot": "bayescal.report.figures.registry",
@@ -60,10 +62,12 @@ __all__ = [
     "load",
     "load_setup",
     "open_run",
+    "opencv_camera",
     "outliers",
     "plot",
     "reproduce",
     "save",
+    "save_opencv",
     "save_report",
     "save_run",
     "thesis",
@@ -81,6 +85,7 @@ if TYPE_CHECKING:
     from bayescal.points.setup import Setup, load_setup
     from bayescal.points.writer import save
     from bayescal.report.figures.registry import plot
+    from bayescal.report.opencv import opencv_camera, save_opencv
     from bayescal.report.page.page import save_report
     from bayescal.report.runs import open_run, save_run
     from bayescal.reproduction import reproduce

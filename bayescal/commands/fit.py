@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from bayescal.commands import options as shared
 from bayescal.commands.families import add_families, deliver_families
-from bayescal.commands.output import add_output, check_output, deliver
+from bayescal.commands.output import add_output, check_file, check_output, deliver
 from bayescal.errors import InputError
 
 HELP = "fit one model and print it in full"
@@ -21,6 +22,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--order", type=int, metavar="K", help="of bivariate or pinhole: degree or coefficients"
     )
+    parser.add_argument(
+        "--opencv",
+        metavar="FILE",
+        help="write a pinhole as OpenCV's camera (YAML, cv2.FileStorage)",
+    )
     shared.add_points(parser)
     shared.add_model(parser)
     add_output(parser)
@@ -32,6 +38,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError("--radial is of a pinhole: add --family pinhole, or leave it out")
     if options.family is not None or options.position is not None:
         return _joint(options)
+    if options.opencv is not None:
+        raise InputError("--opencv is of a pinhole: add --family pinhole")
     if options.order_r is None and options.order_c is None:
         raise InputError("fit: give --order-r, --order-c or both")
     from bayescal.api.axes import fit
@@ -67,6 +75,11 @@ def _joint(options: argparse.Namespace) -> int:
     if options.position is not None and len(options.position) != 1:
         raise InputError("fit: give one --position, stated or free")
     check_output(options)
+    if options.opencv is not None:
+        from bayescal.report.opencv import check_opencv
+
+        check_opencv(family, wanted[0], options.radial or "even")
+        check_file(options, Path(options.opencv))
     result = fit_family(
         shared.points(options),
         family,
@@ -75,4 +88,9 @@ def _joint(options: argparse.Namespace) -> int:
         radial=options.radial or "even",
         **shared.settings(options),
     )
-    return deliver_families(options, result, joint_fit_view)
+    code = deliver_families(options, result, joint_fit_view)
+    if options.opencv is not None:
+        from bayescal.report.opencv import save_opencv
+
+        save_opencv(result, options.opencv, force=options.force)
+    return code
