@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -127,7 +127,7 @@ def sample_model(
     InputError
         Where the density is zero at every start of the model.
     """
-    for_proposal, for_first, for_second, for_refined = rng.spawn(4)
+    for_proposal, for_first, for_second, for_refined, for_chosen = rng.spawn(5)
     if guess is None:
         modes = find_modes(model.log_prob, model.starts())
         if not modes:
@@ -146,7 +146,12 @@ def sample_model(
     draws = first.chain.theta.reshape(-1, model.dimension), first.chain.log_prob.ravel()
     refined = refine(model.log_prob, adapted, modes, draws, for_refined)
     second = _attempt(model, modes, refined, for_second, ess, evidence_draws)
-    return max(first, second, key=_soundness)
+    best, proposal = max(
+        (first, adapted.proposal), (second, refined.proposal), key=lambda pair: _soundness(pair[0])
+    )
+    # Draws that the choice was made by would favour the proposal whose heavy weights they missed.
+    estimate = _estimated(model, modes, proposal, best.chain, for_chosen, evidence_draws)
+    return replace(best, estimate=estimate)
 
 
 def _soundness(found: SampledPosterior) -> tuple[bool, bool, float]:
@@ -163,7 +168,6 @@ def _attempt(
 ) -> SampledPosterior:
     """Sample with one proposal, and estimate the evidence with it."""
     for_evidence, for_chains = rng.spawn(2)
-    proposal = adapted.proposal
 
     def finish(theta: Array, child: np.random.Generator) -> tuple[Array, Array]:
         full = model.complete(theta, child)
@@ -171,22 +175,34 @@ def _attempt(
 
     chain, full = sample_ensembles(
         model.log_prob,
-        proposal,
+        adapted.proposal,
         Whitening(adapted.mean, cholesky(adapted.covariance)),
         finish,
         for_chains,
         ess,
     )
-    fresh, log_weights = drawn(model, proposal, for_evidence, evidence_draws)
+    estimate = _estimated(model, modes, adapted.proposal, chain, for_evidence, evidence_draws)
+    return SampledPosterior(model, chain, full, summarise(model.names, chain), estimate, modes)
+
+
+def _estimated(
+    model: SampledModel,
+    modes: tuple[Mode, ...],
+    proposal: TMixture,
+    chain: Chain,
+    rng: np.random.Generator,
+    n: int,
+) -> EvidenceEstimate:
+    """Estimate the evidence from `n` fresh draws of a proposal, checked by those of a chain."""
+    fresh, log_weights = drawn(model, proposal, rng, n)
     theta = chain.theta.reshape(-1, model.dimension)
     effective = min(min(d.ess_bulk, d.ess_tail) for d in chain.diagnostics)
-    estimate = estimate_evidence(
+    return estimate_evidence(
         log_weights,
         chain.log_prob.ravel() - proposal.log_density(theta),
         effective,
         shares_differ(modes, fresh, log_weights, theta, effective),
     )
-    return SampledPosterior(model, chain, full, summarise(model.names, chain), estimate, modes)
 
 
 def shares_differ(
