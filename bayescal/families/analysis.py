@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import product
 
 from threadpoolctl import threadpool_limits
@@ -56,7 +57,7 @@ def compare_joint(
     request : FamilyRequest
     settings : Settings
     progress : callable, optional
-        Called with the family and its position before its models are fitted.
+        Called with the family and its position before its models are judged.
     source : DrawsSource, optional
         Gives the draws; by default they are drawn now.
 
@@ -77,22 +78,25 @@ def compare_joint(
     with threadpool_limits(1):
         axes = {f: linear_axes(points, f, settings, orders[-1]) for f in families if f in LINEAR}
         levels = noise_levels(points, settings, orders[-1])
-        found: list[JointModel] = []
+        plans: list[tuple[str, Iterator[JointModel]]] = []
         for family in families:
             for position in request.positions_of(family):
-                if progress is not None:
-                    progress(f"{family}, position {position}", 0)
-                if family == PINHOLE:
-                    found += pinhole_members(points, request, position, levels, settings, source)
-                    continue
                 wanted, stated = _wanted(family, request), position == STATED
-                if settings.choice.robust:
+                if family == PINHOLE:
+                    judged = pinhole_members(points, request, position, levels, settings, source)
+                elif settings.choice.robust:
                     judge = stated_robust if stated else free_robust
-                    found += judge(family, axes[family], wanted, points, settings, source)
+                    judged = judge(family, axes[family], wanted, points, settings, source)
                 elif stated:
-                    found += stated_members(family, axes[family], wanted, points)
+                    judged = stated_members(family, axes[family], wanted, points)
                 else:
-                    found += free_members(family, axes[family], wanted, points, settings, source)
+                    judged = free_members(family, axes[family], wanted, points, settings, source)
+                plans.append((f"{family}, position {position}", judged))
+        found: list[JointModel] = []
+        for words, judged in plans:
+            if progress is not None:
+                progress(words, 0)
+            found += judged
     chances = model_probabilities(found)
     # Probabilities too small for a double are zero, and still have an order.
     order = sorted(range(len(found)), key=lambda i: (-chances[i], -found[i].log_evidence))

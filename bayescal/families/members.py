@@ -1,9 +1,13 @@
-"""Members of a comparison across families, each with evidence and leave-one-out."""
+"""Members of a comparison across families, each with evidence and leave-one-out.
+
+Each function fits its models at once, so that what can't be fitted is refused before anything is
+sampled, and gives an iterator that samples and judges one after the other.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
@@ -62,8 +66,15 @@ Progress = Callable[[str, int], None]
 
 def stated_members(
     family: str, axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences
-) -> list[JointModel]:
+) -> Iterator[JointModel]:
     """Models at the stated position: products of two axes, each in closed form."""
+    check_orders(axes, orders)
+    return _products(family, axes, orders, points)
+
+
+def _products(
+    family: str, axes: tuple[Axis, Axis], orders: Wanted, points: Correspondences
+) -> Iterator[JointModel]:
     data = joint_data(axes)
     exact: list[dict[int, tuple[ExactPosterior, float, float, LeaveOneOut | None]]] = []
     for i, axis in enumerate(axes):
@@ -75,7 +86,6 @@ def stated_members(
             assert error is not None, "a proper prior has an evidence"
             by_order[k] = posterior, value, error, leave_one_out(axis.data, posterior)
         exact.append(by_order)
-    out = []
     for named, k, m in orders:
         (r, zr, er, lr), (c, zc, ec, lc) = exact[0][k], exact[1][m]
         rss = np.array([r.model.factors.rss(k), c.model.factors.rss(m)])
@@ -83,19 +93,16 @@ def stated_members(
         loo = None
         if lr is not None and lc is not None:
             loo = JointLeaveOneOut(frozen(lr.pointwise + lc.pointwise))
-        out.append(
-            JointModel(
-                ModelName(family, named, STATED),
-                joint_criteria(data, rss, count),
-                zr + zc,
-                math.hypot(er, ec),
-                loo,
-                frozen(points.setup.position),
-                exact=(r, c),
-                goodness=joint_goodness(data, rss, count),
-            )
+        yield JointModel(
+            ModelName(family, named, STATED),
+            joint_criteria(data, rss, count),
+            zr + zc,
+            math.hypot(er, ec),
+            loo,
+            frozen(points.setup.position),
+            exact=(r, c),
+            goodness=joint_goodness(data, rss, count),
         )
-    return out
 
 
 def free_members(
@@ -105,7 +112,7 @@ def free_members(
     points: Correspondences,
     settings: Settings,
     source: DrawsSource,
-) -> list[JointModel]:
+) -> Iterator[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
     check_orders(axes, orders)
     data, built = joint_data(axes), []
@@ -115,21 +122,23 @@ def free_members(
         likelihood = joint_criteria(data, rss, count), joint_goodness(data, rss, count)
         built.append((ModelName(family, named, FREE), model, likelihood, position_mode(model)))
     best = max(built, key=lambda b: b[3].log_mass)[0]
-    out = []
-    for name, model, (criteria, goodness), mode in built:
-        proposal, rng = _about(mode), _rng(settings, name)
-        without = partial(_without_position, model, settings, name)
-        if name == best:
-            guess = proposal, (mode,)
-            sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
-            posterior = source.sampled(name.key, model, sample)
-            found = from_posterior(posterior, model.log_left_out, without)
-        else:
-            draw = partial(_weighed, model, mode, proposal, rng)
-            weighted = source.weighted(name.key, model, draw)
-            found = from_weighted(weighted, model.log_left_out, without)
-        out.append(judged_model(name, criteria, found, model.start, goodness))
-    return out
+
+    def judged() -> Iterator[JointModel]:
+        for name, model, (criteria, goodness), mode in built:
+            proposal, rng = _about(mode), _rng(settings, name)
+            without = partial(_without_position, model, settings, name)
+            if name == best:
+                guess = proposal, (mode,)
+                sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
+                posterior = source.sampled(name.key, model, sample)
+                found = from_posterior(posterior, model.log_left_out, without)
+            else:
+                draw = partial(_weighed, model, mode, proposal, rng)
+                weighted = source.weighted(name.key, model, draw)
+                found = from_weighted(weighted, model.log_left_out, without)
+            yield judged_model(name, criteria, found, model.start, goodness)
+
+    return judged()
 
 
 def _about(mode: Mode) -> TMixture:
@@ -163,27 +172,30 @@ def pinhole_members(
     levels: NoiseLevels,
     settings: Settings,
     source: DrawsSource,
-) -> list[JointModel]:
+) -> Iterator[JointModel]:
     """Sample the pinhole of each order at one kind of position."""
     fitted = [
         (k, pinhole_model(points, k, position, request.radial, levels.data, settings))
         for k in request.radial_orders
-    ]  # what can't be fitted is refused before anything is sampled
-    out = []
-    for k, model in fitted:
-        name = ModelName(PINHOLE, (k,), position)
-        sample = partial(_sample_pinhole, model, _rng(settings, name), settings.ess)
-        posterior = source.sampled(name.key, model, sample)
-        count = model.geometry.dimension + sum(levels.data.inferred) + 2 * model.noise.dimension
-        criteria, goodness = Criteria(count), None
-        if model.gaussian:
-            criteria = joint_criteria(levels.data, model.fit.rss, count)
-            goodness = joint_goodness(levels.data, model.fit.rss, count)
-        theta = model.geometry.full(model.fit.free[None])
-        position_found = frozen(model.geometry.position(theta)[0])
-        found = from_posterior(posterior, model.log_likelihood, _without(model, settings, name))
-        out.append(judged_model(name, criteria, found, position_found, goodness))
-    return out
+    ]
+
+    def judged() -> Iterator[JointModel]:
+        for k, model in fitted:
+            name = ModelName(PINHOLE, (k,), position)
+            sample = partial(_sample_pinhole, model, _rng(settings, name), settings.ess)
+            posterior = source.sampled(name.key, model, sample)
+            count = sum(levels.data.inferred) + 2 * model.noise.dimension
+            count += model.geometry.dimension
+            criteria, goodness = Criteria(count), None
+            if model.gaussian:
+                criteria = joint_criteria(levels.data, model.fit.rss, count)
+                goodness = joint_goodness(levels.data, model.fit.rss, count)
+            theta = model.geometry.full(model.fit.free[None])
+            place = frozen(model.geometry.position(theta)[0])
+            found = from_posterior(posterior, model.log_likelihood, _without(model, settings, name))
+            yield judged_model(name, criteria, found, place, goodness)
+
+    return judged()
 
 
 def _sample_pinhole(model: PinholeModel, rng: np.random.Generator, ess: int) -> SampledPosterior:

@@ -8,6 +8,7 @@ draws of a proposal that is adapted alike.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache, partial
 
@@ -55,7 +56,7 @@ def stated_robust(
     points: Correspondences,
     settings: Settings,
     source: DrawsSource,
-) -> list[JointModel]:
+) -> Iterator[JointModel]:
     """Models at the stated position: products of two axes, each sampled."""
     models = [
         {k: _axis_model(axis, k, settings) for k in orders_of(orders, i)}
@@ -68,17 +69,18 @@ def stated_robust(
         rng = random_numbers(settings, family, (2 + i, order))
         return sample_model(models[i][order], rng, settings.ess)
 
-    out = []
-    for named, k, m in orders:
-        pair, name = RobustPair((models[0][k], models[1][m])), ModelName(family, named, STATED)
+    def judged() -> Iterator[JointModel]:
+        for named, k, m in orders:
+            pair, name = RobustPair((models[0][k], models[1][m])), ModelName(family, named, STATED)
 
-        def sample(k: int = k, m: int = m, pair: RobustPair = pair) -> SampledPosterior:
-            return paired(posterior(0, k), posterior(1, m), pair)
+            def sample(k: int = k, m: int = m, pair: RobustPair = pair) -> SampledPosterior:
+                return paired(posterior(0, k), posterior(1, m), pair)
 
-        found = _from_pair(source.sampled(name.key, pair, sample))
-        place = frozen(points.setup.position)
-        out.append(judged_model(name, _no_criteria(pair.names), found, place))
-    return out
+            found = _from_pair(source.sampled(name.key, pair, sample))
+            place = frozen(points.setup.position)
+            yield judged_model(name, _no_criteria(pair.names), found, place)
+
+    return judged()
 
 
 def _axis_model(axis: Axis, order: int, settings: Settings) -> RobustLinearModel:
@@ -127,24 +129,26 @@ def free_robust(
     points: Correspondences,
     settings: Settings,
     source: DrawsSource,
-) -> list[JointModel]:
+) -> Iterator[JointModel]:
     """Models at a free position: the best is sampled, the others are weighed."""
     check_orders(axes, orders)
     candidates = [_candidate(family, axes, wanted, points, settings) for wanted in orders]
     best = max(candidates, key=lambda c: c.log_mass)
-    out = []
-    for made in candidates:
-        key, model = made.name.key, made.model
-        rng = random_numbers(settings, family, (1, *made.name.orders))
-        if made is best:
-            sample = partial(sample_model, model, rng, settings.ess)
-            found = from_posterior(source.sampled(key, model, sample), model.log_likelihood)
-        else:
-            draw = partial(_weighed, made, rng)
-            found = from_weighted(source.weighted(key, model, draw), model.log_likelihood)
-        place = frozen(model.position(made.modes[0].theta[None])[0])
-        out.append(judged_model(made.name, _no_criteria(model.names), found, place))
-    return out
+
+    def judged() -> Iterator[JointModel]:
+        for made in candidates:
+            key, model = made.name.key, made.model
+            rng = random_numbers(settings, family, (1, *made.name.orders))
+            if made is best:
+                sample = partial(sample_model, model, rng, settings.ess)
+                found = from_posterior(source.sampled(key, model, sample), model.log_likelihood)
+            else:
+                draw = partial(_weighed, made, rng)
+                found = from_weighted(source.weighted(key, model, draw), model.log_likelihood)
+            place = frozen(model.position(made.modes[0].theta[None])[0])
+            yield judged_model(made.name, _no_criteria(model.names), found, place)
+
+    return judged()
 
 
 def _candidate(

@@ -10,18 +10,18 @@ from scipy.stats import chi2 as chi2_distribution
 
 import bayescal as bc
 from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.families import (
-    JointModel,
-    ModelName,
-)
+from bayescal.comparison.families import FamilyRequest, JointModel, ModelName
 from bayescal.comparison.family_verdict import judge_families, model_probabilities
 from bayescal.comparison.weak import weak_combinations
 from bayescal.errors import InputError
+from bayescal.families.analysis import compare_joint
 from bayescal.families.caveats import family_caveats
 from bayescal.models.camera_prior import position_prior
 from bayescal.points.camera import StatedCamera
 from bayescal.report.families import families_view, joint_fit_view
 from bayescal.report.render import render
+from bayescal.settings import Settings
+from bayescal.sources import Computed
 from tests.cameras import turned_points
 
 
@@ -284,6 +284,28 @@ def test_a_turned_camera_rejects_the_polynomials():
 def test_refusals(options, match):
     with pytest.raises(InputError, match=match):
         bc.compare_families(bc.thesis(), **options)
+
+
+class Undrawn(Computed):
+    """Nothing may be drawn from it."""
+
+    def sampled(self, name, model, compute):
+        raise AssertionError(f"{name} was sampled")
+
+    weighted = sampled
+
+
+@pytest.mark.parametrize("noise", ["gaussian", "student-t"])
+def test_what_can_not_be_fitted_is_refused_before_anything_is_drawn(noise):
+    """Though its family comes last: the points lie in one plane, so no pose and focal length."""
+    points = bc.thesis()
+    flat = replace(points, world=points.world * [1, 1, 0] + [0, 0, 900])
+    request = FamilyRequest(("separable", "pinhole"), (1,), ("free",))
+    settings = Settings(noise=noise, defend=False)
+    with pytest.raises(InputError, match="lie in one plane"):
+        compare_joint(flat, request, settings, source=Undrawn())
+    with pytest.raises(AssertionError, match="was sampled"):  # negative control
+        compare_joint(points, request, settings, source=Undrawn())
 
 
 def test_a_position_prior_beyond_doubles_is_refused_where_it_is_used():
