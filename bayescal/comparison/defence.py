@@ -21,7 +21,7 @@ from bayescal.comparison.stability import (
     removals,
     without_groups,
 )
-from bayescal.inference.arviz_bridge import psis_loo
+from bayescal.inference.arviz_bridge import PsisLoo, psis_loo
 from bayescal.inference.evidence import LOG_2PI
 from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior
@@ -215,18 +215,17 @@ def _predictions(
         if psis is None:
             out[k] = Prediction(loo, difference, se, group, None, None)
             continue
-        elpd, mcse, pareto_k, draws = psis
-        sound = bool(np.isfinite(elpd).all() and np.isfinite(mcse).all())
-        limit = good_k(draws)
-        shape = np.where(np.isfinite(pareto_k), pareto_k, np.inf)
+        sound = bool(np.isfinite(psis.pointwise).all() and np.isfinite(psis.mcse).all())
+        limit = good_k(psis.influence.shape[1])
+        shape = np.where(np.isfinite(psis.pareto_k), psis.pareto_k, np.inf)
         worst = [int(i) for i in np.argsort(-shape, kind="stable") if shape[i] >= limit]
         out[k] = Prediction(
             loo,
             difference,
             se,
             group,
-            float(elpd.sum()) if sound else None,
-            float(np.sqrt((mcse**2).sum())) if sound else None,
+            float(psis.pointwise.sum()) if sound else None,
+            psis.mcse_of_sum if sound else None,
             frozen(shape),
             limit,
             tuple(data.labels[i] for i in worst),
@@ -234,8 +233,8 @@ def _predictions(
     return out
 
 
-def _psis(data: AxisData, posterior: Posterior) -> tuple[Array, Array, Array, int] | None:
-    """Leave-one-out from the draws, and their number; None where they'd be too few."""
+def _psis(data: AxisData, posterior: Posterior) -> PsisLoo | None:
+    """Leave-one-out from the draws; None where they'd be too few."""
     model = posterior.exact.model
     theta = thinned(posterior.chain.theta.reshape(-1, model.dimension), len(data))
     if theta is None:
@@ -248,7 +247,7 @@ def _psis(data: AxisData, posterior: Posterior) -> tuple[Array, Array, Array, in
         log_sigma = np.full(len(theta), np.log(posterior.exact.sigma[0]))
     z = (data.t[:, None] - design @ theta[:, : model.size].T) / sd[:, None] * np.exp(-log_sigma)
     log_likelihood = -(z**2 + LOG_2PI) / 2 - log_sigma - np.log(sd)[:, None]
-    return *psis_loo(log_likelihood), len(theta)
+    return psis_loo(log_likelihood)
 
 
 def _worth(data: AxisData, posteriors: Mapping[int, Posterior], order: int, other: int) -> Worth:

@@ -100,6 +100,8 @@ class JointLeaveOneOut:
         Largest of the points that draws tell of; None where it is exact.
     k_limit : float or None
         Below it `pareto_k` is good; fewer draws can judge thinner tails only.
+    mcse : float
+        Monte Carlo standard error of their sum.
     refitted : tuple of int
         Points whose term comes from the evidence without them, as their weights have too
         heavy a tail.
@@ -108,6 +110,7 @@ class JointLeaveOneOut:
     pointwise: Array
     pareto_k: float | None = None
     k_limit: float | None = None
+    mcse: float = 0.0
     refitted: tuple[int, ...] = ()
 
     @property

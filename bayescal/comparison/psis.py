@@ -78,7 +78,8 @@ def sampled_leave_one_out(posterior: SampledPosterior) -> SampledLeaveOneOut | N
     log_likelihood = posterior.model.log_likelihood(kept).T
     if not np.isfinite(log_likelihood).all():
         return None
-    pointwise, mcse, shape = psis_loo(log_likelihood)
+    found = psis_loo(log_likelihood)
+    pointwise, shape = found.pointwise, found.pareto_k
     density = logsumexp(log_likelihood, axis=1) - math.log(len(kept))
     elpd = float(pointwise.sum())
     # Dependent draws are worth fewer independent ones; the mcse counts them as such.
@@ -88,7 +89,7 @@ def sampled_leave_one_out(posterior: SampledPosterior) -> SampledLeaveOneOut | N
         elpd,
         math.sqrt(units) * float(pointwise.std(ddof=1)),
         float(density.sum()) - elpd,
-        float(np.sqrt((mcse**2).sum() / worth)),
+        found.mcse_of_sum / math.sqrt(worth),
         frozen(np.where(np.isfinite(shape), shape, np.inf)),
         good_k(len(kept)),
     )

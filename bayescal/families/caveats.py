@@ -45,11 +45,13 @@ def family_caveats(
             f"leave-one-out rests on few draws (Pareto k > 1) for {'; '.join(heavy[:3])}{rest}"
         )
     best = models[0]
-    if best.name.position == FREE:
+    free = next((m for m in matter if m.name.position == FREE), None)
+    if free is not None:
         prior = position_prior(points)
-        shift = np.abs(best.position - prior.mean) / prior.sd
+        shift = np.abs(free.position - prior.mean) / prior.sd
         if shift.max() > FAR:
-            out.append(_far("position", float(shift.max()), "the stated one"))
+            far = _far("position", float(shift.max()), "the stated one")
+            out.append(f"{far}; AIC, BIC and chi-squared know no prior and are the found one's")
     if best.posterior is not None and isinstance(best.posterior.model, PinholeModel):
         out += _far_optics(best.posterior.model, best.posterior.full[:, -1])
     pinholes = sum(p for m, p in zip(models, chances, strict=True) if m.name.family == PINHOLE)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -22,8 +23,9 @@ from bayescal.inference.weighting import WeightedDraws
 # of a point left out would be made.
 HEAVIEST = 0.02
 LOO_DRAWS = 4000  # of a sampled model, at most twice as many
-# The most points without which the evidence is worth having.
-MOST_REFITS = 20
+# Pareto k from which a point's term comes from the evidence without it, of so many points at most.
+# Good k are below 0.7; but terms between these were too high, together by half a nat.
+REFITTED, MOST_REFITS = 0.4, 20
 # Log density of each point given draws, and given the other points where these say more.
 LeftOut = Callable[[Array], Array]
 # Evidence without a point.
@@ -46,18 +48,21 @@ def from_posterior(
     posterior: SampledPosterior, left_out: LeftOut, without: Without | None = None
 ) -> Found:
     """Evidence and leave-one-out of a sampled model."""
-    value, error = posterior.log_evidence, posterior.log_evidence_error
-    return Found(value, error, _leave_one_out(shortened(posterior), left_out, value, without),
-                 posterior)  # fmt: skip
+    draws, estimate = shortened(posterior), posterior.estimate
+    effective = min(p.ess_bulk for p in posterior.parameters)
+    loo = _leave_one_out(draws, effective, left_out, estimate, without)
+    return Found(estimate.log_evidence, estimate.error, loo, posterior)
 
 
 def from_weighted(draws: WeightedDraws, left_out: LeftOut, without: Without | None = None) -> Found:
     """Find the same by importance sampling alone."""
     estimate, loo = from_weights(draws.log_weights), None
-    value, error = estimate.log_evidence, estimate.error
     if float(softmax(draws.log_weights).max()) <= HEAVIEST:
-        loo = _leave_one_out(draws.full, left_out, value, without)
-    return Found(value, error, loo, weighted=draws, doubts=estimate.warnings)
+        effective = estimate.effective_fraction * estimate.draws
+        loo = _leave_one_out(draws.full, effective, left_out, estimate, without)
+    return Found(
+        estimate.log_evidence, estimate.error, loo, weighted=draws, doubts=estimate.warnings
+    )
 
 
 def shortened(posterior: SampledPosterior) -> Array:
@@ -67,35 +72,47 @@ def shortened(posterior: SampledPosterior) -> Array:
 
 
 def _leave_one_out(
-    draws: Array, left_out: LeftOut, log_evidence: float, without: Without | None
+    draws: Array,
+    effective: float,
+    left_out: LeftOut,
+    whole: EvidenceEstimate,
+    without: Without | None,
 ) -> JointLeaveOneOut | None:
-    """Leave each point out by the weights of the draws.
+    """Leave each point out by the weights of the draws, as many as `effective` independent ones.
 
-    Where a point's weights have too heavy a tail, its term comes from the evidence `without`
-    it, if that is to be had: ln p(t_i | the others) = ln Z - ln Z_-i.
+    Where a point's weights have a heavy tail, its term comes from the evidence `without` it,
+    if that is to be had, and that of the `whole` is certain:
+    ln p(t_i | the others) = ln Z - ln Z_-i.
     """
     kept = thinned(draws, left_out(draws[:1]).shape[1])
     if kept is None:
         return None
-    pointwise, _, shape = psis_loo(left_out(kept).T)
-    limit, refitted = good_k(len(kept)), []
-    heavy = np.flatnonzero(~(shape < limit)).tolist()
-    if without is not None and len(heavy) <= MOST_REFITS:
-        for i in heavy:
+    pointwise, influence, shape = psis_loo(left_out(kept).T)
+    refitted, variance = [], 0.0
+    if without is not None and whole.certain:
+        heavy = np.flatnonzero(~(shape < REFITTED))
+        for i in heavy[np.argsort(-shape[heavy], kind="stable")].tolist()[:MOST_REFITS]:
             rest = without(i)
             if rest.certain:
-                pointwise[i] = log_evidence - rest.log_evidence
+                pointwise[i] = whole.log_evidence - rest.log_evidence
+                variance += rest.error**2
                 refitted.append(i)
-    return leave_one_out_of(pointwise, np.delete(shape, refitted), limit, tuple(refitted))
+    # Refitted terms share the error of the whole, the others their draws.
+    variance += (len(refitted) * whole.error) ** 2
+    shared = np.delete(influence, refitted, axis=0).sum(axis=0)
+    variance += float(shared @ shared) / min(1.0, effective / len(kept))
+    left, limit = np.delete(shape, refitted), good_k(len(kept))
+    return leave_one_out_of(pointwise, left, limit, math.sqrt(variance), tuple(sorted(refitted)))
 
 
 def leave_one_out_of(
-    pointwise: Array, shape: Array, limit: float, refitted: tuple[int, ...] = ()
+    pointwise: Array, shape: Array, limit: float, mcse: float, refitted: tuple[int, ...] = ()
 ) -> JointLeaveOneOut | None:
     """Collect terms and shapes of weights; None where too few draws count to tell of a point."""
     if not np.isfinite(pointwise).all():
         return None
-    return JointLeaveOneOut(frozen(pointwise), float(shape.max(initial=0.0)), limit, refitted)
+    largest = float(shape.max(initial=0.0))
+    return JointLeaveOneOut(frozen(pointwise), largest, limit, mcse, refitted)
 
 
 def judged_model(

@@ -58,9 +58,9 @@ from bayescal.sources import DrawsSource
 
 # Draws of the evidence where each costs a quadrature: of a family's best model at a free
 # position, which is sampled, and of the others, which are weighted only.
-POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 600
+POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 2000
 # Draws of the evidence without a point that leave-one-out from the draws fails for.
-REFIT_DRAWS = 4000
+REFIT_DRAWS = 1000
 Progress = Callable[[str, int], None]
 
 
@@ -151,7 +151,7 @@ def _without_position(
     """Evidence of the other points, by weighted draws."""
     rest, rng = model.without(point), _rng(settings, name, point + 1)
     proposal = _about(position_mode(rest))
-    return from_weights(drawn(rest, proposal, rng, WEIGHTED_DRAWS)[1])
+    return from_weights(drawn(rest, proposal, rng, REFIT_DRAWS)[1])
 
 
 def _weighed(

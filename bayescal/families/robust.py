@@ -8,6 +8,7 @@ draws of a proposal that is adapted alike.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache, partial
@@ -102,9 +103,10 @@ def _from_pair(posterior: SampledPosterior) -> Found:
     assert isinstance(pair, RobustPair), "it was built as one"
     kept = shortened(posterior)
     loos = [psis_loo(likelihood.T) for likelihood in pair.log_likelihoods(kept)]
-    pointwise = np.sum([loo[0] for loo in loos], axis=0)
-    shape = np.concatenate([loo[2] for loo in loos])
-    loo = leave_one_out_of(pointwise, shape, good_k(len(kept)))
+    pointwise = np.sum([loo.pointwise for loo in loos], axis=0)
+    shape = np.concatenate([loo.pareto_k for loo in loos])
+    mcse = math.hypot(*(loo.mcse_of_sum for loo in loos))
+    loo = leave_one_out_of(pointwise, shape, good_k(len(kept)), mcse)
     return Found(posterior.log_evidence, posterior.log_evidence_error, loo, posterior)
 
 

@@ -21,6 +21,7 @@ from scipy.special import logsumexp, softmax
 from bayescal.arrays import Array
 from bayescal.inference.optimum import LogDensity, Mode
 from bayescal.inference.t_mixture import TMixture, cholesky
+from bayescal.inference.weighting import resampled
 
 ROUNDS = 12
 DRAWS = 2000  # of each round
@@ -127,10 +128,7 @@ def _finely(
         theta, log_p, weights = _effective_draws(log_density, proposal, wanted, rng)
         mean, covariance = _moments(theta, weights)
         root = cholesky(covariance)
-        # Systematic resampling: most draws are taken once or not at all.
-        at = (np.arange(wanted) + rng.random()) / wanted
-        picked, counts = np.unique(np.searchsorted(np.cumsum(weights), at), return_counts=True)
-        picked = np.minimum(picked, len(theta) - 1)
+        picked, counts = np.unique(resampled(weights, wanted, rng), return_counts=True)
         theta, log_p, weights = theta[picked], log_p[picked], counts / wanted
         seeds = rng.choice(len(theta), COMPONENTS, p=weights)
         narrow = TMixture(

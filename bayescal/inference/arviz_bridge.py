@@ -87,34 +87,66 @@ def autocovariance(draws: Array) -> Array:
     return np.asarray(array_stats.autocov(draws, axis=1))
 
 
-def psis_loo(log_likelihood: Array) -> tuple[Array, Array, Array]:
+class PsisLoo(NamedTuple):
+    """Leave-one-out by Pareto-smoothed importance sampling.
+
+    Attributes
+    ----------
+    pointwise : Array
+        ln p(t_i | the others), ``(n_points,)``.
+    influence : Array
+        Of each draw on each term, ``(n_points, n_draws)``: their squares sum over the draws to
+        the square of the Monte Carlo standard error (Vehtari et al. 2024, eq. 6).
+    pareto_k : Array
+        Shape of the weights' tail, ``(n_points,)``.
+    """
+
+    pointwise: Array
+    influence: Array
+    pareto_k: Array
+
+    @property
+    def mcse(self) -> Array:
+        """Monte Carlo standard error of each term, ``(n_points,)``."""
+        return np.sqrt((self.influence**2).sum(axis=1))
+
+    @property
+    def mcse_of_sum(self) -> float:
+        """That of their sum: all share their draws."""
+        return float(np.linalg.norm(self.influence.sum(axis=0)))
+
+
+def psis_loo(log_likelihood: Array) -> PsisLoo:
     """Leave-one-out by Pareto-smoothed importance sampling from draws.
 
     Parameters
     ----------
     log_likelihood : Array
         ln p(t_i | draw), ``(n_points, n_draws)``.
-
-    Returns
-    -------
-    elpd : Array
-        Pointwise, ``(n_points,)``.
-    mcse : Array
-        Its Monte Carlo standard error, ``(n_points,)`` (Vehtari et al. 2024, eq. 6).
-    pareto_k : Array
-        Shape of the weights' tail, ``(n_points,)``.
     """
+    log_weights, pareto_k = _smoothed(log_likelihood)
+    log_weights = log_weights - logsumexp(log_weights, axis=-1, keepdims=True)
+    elpd = np.asarray(logsumexp(log_weights + log_likelihood, axis=-1))
+    # Both terms sum to 1 over the draws, so that neither can overflow.
+    influence = np.exp(log_weights + log_likelihood - elpd[:, None]) - np.exp(log_weights)
+    return PsisLoo(elpd, influence, pareto_k)
+
+
+def _smoothed(log_likelihood: Array) -> tuple[Array, Array]:
+    """Smoothed log weights of each point, and the shape of their tail."""
     from arviz_stats.base import array_stats
 
     # Where all weights of a tail are alike to rounding, its shape is no number: bad.
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        log_weights, pareto_k = array_stats.psislw(log_likelihood, axis=-1)
-    log_weights = log_weights - logsumexp(log_weights, axis=-1, keepdims=True)
-    elpd = np.asarray(logsumexp(log_weights + log_likelihood, axis=-1))
-    # Both terms sum to 1 over the draws, so that neither can overflow.
-    terms = np.exp(log_weights + log_likelihood - elpd[:, None]) - np.exp(log_weights)
-    mcse = np.sqrt((terms**2).sum(axis=-1))
-    return elpd, mcse, np.asarray(pareto_k)
+        try:
+            log_weights, shape = array_stats.psislw(log_likelihood, axis=-1)
+        except ValueError:  # of a point that every draw predicts alike there is no tail
+            if len(log_likelihood) > 1:
+                rows, shapes = zip(*(_smoothed(row[None]) for row in log_likelihood), strict=True)
+                return np.concatenate(rows), np.concatenate(shapes)
+            flat = float(np.ptp(log_likelihood)) == 0
+            return -log_likelihood, np.array([0.0 if flat else np.inf])
+    return np.asarray(log_weights), np.asarray(shape)
 
 
 def pareto_shape(log_weights: Array) -> float:

@@ -23,9 +23,10 @@ UNCERTAIN = 0.1
 # Importance and bridge sampling may differ by this, nat: over five of their usual errors.
 DISAGREEMENT = 0.05
 LARGEST_K = 0.7
-# Share of the evidence below which one draw's weight, or what differs about a mode, is no warning:
+# Share of the evidence below which what a tail lacks, or what differs about a mode, is no warning:
 # about as many nat.
 NOTICEABLE = 0.01
+HEAVIEST_TAIL = 0.9  # Pareto k that is reckoned with; at 1 the mean of a tail is infinite
 SMALLEST_FRACTION = 0.02
 BRIDGE_STEPS = 1000
 
@@ -117,8 +118,10 @@ def from_weights(log_weights: Array) -> EvidenceEstimate:
     warnings = []
     if not error <= UNCERTAIN:
         warnings.append(f"its Monte Carlo error is {error:.2g} nat, over {UNCERTAIN:g}")
-    largest = float(relative.max()) / n
-    if not shape <= LARGEST_K and largest > NOTICEABLE:  # among even weights the tail is nothing
+    # Beyond the largest draw a tail of shape k still has about its share over 1 - k: among even
+    # weights that is nothing.
+    lacking = float(relative.max()) / n / (1 - min(shape, HEAVIEST_TAIL))
+    if not shape <= LARGEST_K and lacking > NOTICEABLE:
         warnings.append(f"the Pareto k of its weights is {shape:.2f}, over {LARGEST_K:g}")
     if fraction < SMALLEST_FRACTION:
         warnings.append(f"{100 * fraction:.2g} % of the proposal's draws are effective")

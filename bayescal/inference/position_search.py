@@ -16,10 +16,10 @@ from bayescal.models.camera_prior import PositionPrior
 from bayescal.models.direct_linear import direct_linear
 
 NEWTON = 3
-# Starts along the line to the points, in the prior's deviations.
-ALONG = (-2.0, -1.0, 1.0, 2.0)
+REACH = 0.1  # of the points' median distance from the prior's mean: the unit of starts and steps
+ALONG = (-2.0, -1.0, 1.0, 2.0)  # starts along the line to the points
 MOST_STEPS, HALVINGS = 100, 20
-LONGEST = 3.0  # step, in the prior's deviations
+LONGEST = 3.0  # step, in the same unit, or in the prior's deviations where the prior is weighed
 SETTLED = 1e-9  # nat that a step gains
 FLATTEST = 1e-2  # curvature of the log posterior taken for less, of what the slopes say
 SHARE = 0.3  # step of the differences, in deviations
@@ -28,8 +28,9 @@ SHARE = 0.3  # step of the differences, in deviations
 def best_position(axes: Sequence[MovingAxis], prior: PositionPrior) -> Array:
     """Position of highest likelihood, the coefficients eliminated (Golub & Pereyra 1973).
 
-    Gauss-Newton from several starts: the prior's mean, one and two of its deviations before and
-    behind it along the line to the points, and the position of the linear camera. Each axis is
+    Gauss-Newton from several starts: the prior's mean, a tenth and a fifth of the points' distance
+    before and behind it along the line to the points, and the position of the linear camera; how
+    wide the prior is plays no part. Each axis is
     weighted by the sigma that its residuals have, within the bounds of its prior: without these,
     pixels without noise would make the likelihood a spike without a top.
 
@@ -51,12 +52,17 @@ def best_position(axes: Sequence[MovingAxis], prior: PositionPrior) -> Array:
 def _starts(axes: Sequence[MovingAxis], prior: PositionPrior) -> list[Array]:
     world = axes[0].world
     ahead = world.mean(axis=0) - prior.mean
-    along = ahead / (float(np.linalg.norm(ahead / prior.sd)) or 1.0)
+    along = ahead * (_reach(world, prior) / (float(np.linalg.norm(ahead)) or 1.0))
     out = [prior.mean + k * along for k in (0.0, *ALONG)]
     camera = direct_linear(world, np.column_stack([a.data.t for a in axes]))
     if camera is not None:
         out.append(camera.position)
     return [start for start in out if prior.possible(world, start[None])[0]]
+
+
+def _reach(world: Array, prior: PositionPrior) -> float:
+    """Length that a position is searched by, world units."""
+    return REACH * float(np.median(np.linalg.norm(world - prior.mean, axis=1))) or 1.0
 
 
 def climb(
@@ -67,11 +73,14 @@ def climb(
     `weigh` adds the prior to the likelihood.
     """
     position, value = start, _height(axes, prior, start, weigh=weigh)
+    unit = np.full(3, _reach(axes[0].world, prior))
+    if weigh:
+        unit = np.minimum(unit, prior.sd)
     for _ in range(MOST_STEPS):
         e, slope = _stacked(axes, prior, position, weigh=weigh)
-        # In units of the prior's deviations; a direction that changes nothing is not taken.
-        step = np.linalg.lstsq(slope * prior.sd, -e, rcond=1e-12)[0]
-        step *= prior.sd / max(1.0, float(np.linalg.norm(step)) / LONGEST)
+        # A direction that changes nothing is not taken.
+        step = np.linalg.lstsq(slope * unit, -e, rcond=1e-12)[0]
+        step *= unit / max(1.0, float(np.linalg.norm(step)) / LONGEST)
         gain = 0.0
         for halving in range(HALVINGS):
             trial = position + step * 0.5**halving

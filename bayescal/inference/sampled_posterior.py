@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -27,6 +28,9 @@ Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 # Where a chain does not converge, its evidence can't be trusted or rests on a smaller fraction of
 # the draws than this, the proposal is fitted to that chain's draws, and all is done once more.
 FITTED = 0.2
+# A mode's share by draws and by weights differs noticeably from here on, and where a parameter's
+# variance by the draws would be so many times NOTICEABLE off.
+LEAST, WIDENED = 1e-3, 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -218,11 +222,16 @@ def shares_differ(
     nearest = [_nearest(modes, t) for t in (fresh, theta)]
     weights = softmax(log_weights)
     n_effective = 1 / float(weights @ weights)
-    for k in range(len(modes)):
+    mean = weights @ fresh
+    variance = weights @ (fresh - mean) ** 2
+    for k, mode in enumerate(modes):
         expected = min(float(weights[nearest[0] == k].sum()), 1.0)  # rounding may exceed it
         drawn = float(np.mean(nearest[1] == k))
-        variance = expected * (1 - expected) * (1 / n_effective + 1 / effective)
-        if abs(drawn - expected) > 5 * np.sqrt(variance) + NOTICEABLE:
+        gap = abs(drawn - expected)
+        error = math.sqrt(expected * (1 - expected) * (1 / n_effective + 1 / effective))
+        # What it changes: the evidence, or the variance of a parameter.
+        changed = max(gap, gap * float(((mode.theta - mean) ** 2 / variance).max()) / WIDENED)
+        if gap > 5 * error + LEAST and changed > NOTICEABLE:
             return (
                 f"mode {k + 1} of {len(modes)} holds {100 * expected:.1f} % of the posterior by "
                 f"its weights, {100 * drawn:.1f} % by the draws",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import softmax
 
 from bayescal.arrays import Array
@@ -53,5 +54,14 @@ def weigh(
         Number of draws.
     """
     theta, log_weights = drawn(model, proposal, rng, n)
-    picked = theta[rng.choice(n, n, p=softmax(log_weights))]
+    picked = theta[resampled(softmax(log_weights), n, rng)]
     return WeightedDraws(model, log_weights, model.complete(picked, rng))
+
+
+def resampled(weights: Array, n: int, rng: np.random.Generator) -> NDArray[np.intp]:
+    """Pick `n` by weights that sum to 1, systematically: most are taken once or not at all.
+
+    Kitagawa 1996, J. Comput. Graph. Stat. 5, 1, section A.
+    """
+    at = (np.arange(n) + rng.random()) / n
+    return np.minimum(np.searchsorted(np.cumsum(weights), at), len(weights) - 1)

@@ -11,7 +11,7 @@ from bayescal.models import bivariate
 from bayescal.report.family_tables import correlations
 from bayescal.report.noise import shape_words
 from bayescal.report.tables import p_words
-from bayescal.rounding import counted
+from bayescal.rounding import counted, significant
 
 FEW = 100  # points, below which leave-one-out's own errors are too small
 
@@ -87,14 +87,14 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
     refits = sum(len(loo.refitted) for loo in loos)
     if refits:
         notes.append(
-            f"elpd: {counted(refits, 'term')} whose importance weights had too heavy a tail "
-            "(Pareto k not below 0.7, or 0.64 of 600 draws) come from the evidence without the "
-            "point."
+            f"elpd: {counted(refits, 'term')} whose importance weights had a heavy tail (Pareto k "
+            "from 0.4) come from the evidence without the point. Monte Carlo errors of elpd: at "
+            f"most {significant(max(loo.mcse for loo in loos), 1)}."
         )
     if not all(loo.reliable for loo in loos):
         notes.append(
             "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
-            "0.7, or 0.64 of 600 draws): neither it nor its differences should be trusted."
+            "0.7): neither it nor its differences should be trusted."
         )
     if len(found.points) < FEW:
         notes.append(

@@ -106,7 +106,7 @@ def check_opencv(family: str, order: int, radial: str) -> None:
 def opencv_camera(found: FamilyComparison) -> OpenCVCamera:
     """Give the most probable model of a comparison, a pinhole, as OpenCV's camera.
 
-    The camera is that of the posterior's mean in sampled coordinates.
+    The camera is that of the posterior's mean in the geometry's free coordinates.
 
     Parameters
     ----------
@@ -129,7 +129,8 @@ def opencv_camera(found: FamilyComparison) -> OpenCVCamera:
     model = posterior.model
     assert isinstance(model, PinholeModel), "it is one"
     theta = model.coordinates(posterior.full.reshape(-1, posterior.full.shape[2]))
-    middle = theta.mean(axis=0, keepdims=True)
+    # In the free coordinates the posterior is nearly normal; a position held fixed stays so.
+    middle = model.geometry.full(model.geometry.free(theta).mean(axis=0, keepdims=True))
     draws, mean = (_parameters(model, t, setup) for t in (theta, middle))
     # A rotation vector and that of the full turn less are the same: the one near the mean's.
     turn = draws[:, 4:7]

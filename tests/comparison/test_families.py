@@ -289,7 +289,7 @@ def test_refusals(options, match):
 class Undrawn(Computed):
     """Nothing may be drawn from it."""
 
-    def sampled(self, name, model, compute):
+    def sampled(self, name, model, compute):  # noqa: ARG002
         raise AssertionError(f"{name} was sampled")
 
     weighted = sampled

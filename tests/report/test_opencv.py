@@ -27,7 +27,8 @@ def middle(found):
     posterior = found.best.posterior
     model = posterior.model
     theta = model.coordinates(posterior.full.reshape(-1, posterior.full.shape[2]))
-    return model.geometry, theta.mean(axis=0, keepdims=True)
+    free = model.geometry.free(theta).mean(axis=0, keepdims=True)
+    return model.geometry, model.geometry.full(free)
 
 
 @pytest.mark.parametrize("order", [0, 2, 3])
@@ -44,6 +45,9 @@ def test_opencv_projects_where_the_camera_does(tmp_path, order, position):
     geometry, theta = middle(found)
     r, c = geometry.project(theta)[0][0]
     np.testing.assert_allclose(projected[:, 0], np.column_stack([r, 1080 - c]), atol=1e-6)
+    if position == "stated":
+        place = -cv2.Rodrigues(turn)[0].T @ shift[:, 0] * FLIP
+        np.testing.assert_allclose(place, points.setup.position, atol=1e-9)
     residual = projected[:, 0] - points.pixels
     assert np.sqrt((residual**2).mean()) < 10  # px: it is a camera of these points
 
@@ -60,6 +64,15 @@ def test_without_a_flip_the_world_stays(tmp_path):
     # Its rotation and position, from the reported ones by the textbook: t = -R C.
     rotation = cv2.Rodrigues(turn)[0]
     np.testing.assert_allclose(-rotation.T @ shift[:, 0], geometry.position(theta)[0], rtol=1e-9)
+
+
+def test_a_position_known_well_is_exported_there():
+    points = bc.thesis()
+    camera = replace(points.setup.camera, position_sd=(1e-3, 1e-3, 1e-3))
+    points = replace(points, setup=replace(points.setup, camera=camera))
+    found = bc.opencv_camera(bc.fit_family(points, "pinhole", (1,), ess=100))
+    place = -cv2.Rodrigues(found.rotation)[0].T @ found.translation * FLIP
+    np.testing.assert_allclose(place, points.setup.position, atol=0.01)  # prior sds: ten
 
 
 def test_covariance_is_that_of_the_draws():
