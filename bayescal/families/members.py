@@ -60,7 +60,7 @@ from bayescal.sources import DrawsSource
 # position, which is sampled, and of the others, which are weighted only.
 POSITION_DRAWS, WEIGHTED_DRAWS = 4000, 2000
 # Draws of the evidence without a point that leave-one-out from the draws fails for.
-REFIT_DRAWS = 1000
+REFIT_DRAWS = 600
 Progress = Callable[[str, int], None]
 
 

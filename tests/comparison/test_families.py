@@ -16,6 +16,7 @@ from bayescal.comparison.weak import weak_combinations
 from bayescal.errors import InputError
 from bayescal.families.analysis import compare_joint
 from bayescal.families.caveats import family_caveats
+from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.models.camera_prior import position_prior
 from bayescal.points.camera import StatedCamera
 from bayescal.report.families import families_view, joint_fit_view
@@ -214,7 +215,9 @@ def test_leave_one_out_is_that_of_fits_without_the_point(family, orders, which):
     model = bc.fit_family(points, family, orders, position="free", ess=400).best
     assert model.loo.reliable, "what weights can't say, refits do"
     middling = int(np.argsort(model.loo.pointwise)[len(points) // 2])
-    point = middling if which == "middling" else model.loo.refitted[0]
+    # Among the refitted the least expected: one at the edge would take the basis's domain along.
+    worst = min(model.loo.refitted, key=lambda i: model.loo.pointwise[i])
+    point = middling if which == "middling" else worst
     assert (point in model.loo.refitted) == (which == "heavy")
     keep = np.arange(len(points)) != point
     rest = replace(
@@ -231,8 +234,9 @@ def test_leave_one_out_is_that_of_fits_without_the_point(family, orders, which):
     # p(t_i | rest) = p(all) / p(rest), from evidences with errors of their own.
     expected = model.log_evidence - without.best.log_evidence
     error = np.hypot(model.log_evidence_error, without.best.log_evidence_error)
-    # The centroid, which anchors the coordinates, moves with the point: only they do.
-    assert model.loo.pointwise[point] == pytest.approx(expected, abs=4 * error + 0.02)
+    # The centroid, which anchors the coordinates, moves with the point: only they do. A refit's
+    # 600 draws leave 0.01 nat.
+    assert model.loo.pointwise[point] == pytest.approx(expected, abs=4 * (error + 0.01))
 
 
 def test_families_under_robust_noise_are_on_one_scale(tmp_path):
@@ -351,14 +355,19 @@ def test_leave_one_out_is_marked_where_its_weights_fail(thesis_families):
     assert all("? (" in line for line in shown.splitlines() if line.startswith("   bivariate"))
 
 
-def test_without_a_heavy_tail_leave_one_out_of_a_free_position_needs_no_refit():
-    """Noise of one width: with the coefficients integrated out no point's weights are heavy."""
+def test_with_the_coefficients_integrated_out_weights_of_a_point_are_lighter():
+    """Of noise of one width none is heavy; by single likelihoods half a dozen are."""
     points = bc.thesis()
     away = points.camera_frame()
     exact = 1100 * away[:, :2] / away[:, 2:] * [1, -1] + [960, 540]
     noisy = exact + np.random.default_rng(1).normal(0, 2, exact.shape)
     found = bc.fit_family(
-        replace(points, pixels=noisy), "bivariate", (1,), position="free", ess=100
-    )
-    assert found.best.loo.reliable
-    assert found.best.loo.refitted == ()
+        replace(points, pixels=noisy), "bivariate", (2,), position="free", ess=400
+    ).best
+    assert found.loo.reliable
+    posterior = found.posterior
+    draws = posterior.full.reshape(-1, posterior.full.shape[2])[::2]
+    lighter = psis_loo(posterior.model.log_left_out(draws).T).pareto_k
+    plain = psis_loo(posterior.model.log_likelihood(draws).T).pareto_k
+    assert lighter.max() < 0.7
+    assert (lighter > 0.4).sum() < (plain > 0.4).sum() / 2
