@@ -79,7 +79,10 @@ def _joint(options: argparse.Namespace) -> int:
         from bayescal.report.opencv import check_opencv
 
         check_opencv(family, wanted[0], options.radial or "even")
-        check_file(options, Path(options.opencv))
+        place = Path(options.opencv)
+        check_file(options, place)
+        if options.json not in (None, "-") and place.resolve() == Path(options.json).resolve():
+            raise InputError("--json and --opencv name the same file; name two")
     result = fit_family(
         shared.points(options),
         family,

@@ -10,12 +10,17 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.comparison.families import FREE, PINHOLE, STATED, JointModel
 from bayescal.comparison.leave_one_out import paired_difference
+from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.pinhole import PinholeModel
+from bayescal.inference.pinhole_coordinates import position_sd as pinhole_position_sd
+from bayescal.inference.position_search import position_sd
 from bayescal.models.camera_prior import position_prior
+from bayescal.models.noise.level import SIGMA_BOUNDS
 from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import counted
 
-FAR = 3.0  # prior standard deviations
+FAR = 3.0  # standard deviations
+NEAR, PILE = 1.05, 0.01  # what counts as at a bound, and how much of the posterior there
 
 
 def family_caveats(
@@ -35,6 +40,7 @@ def family_caveats(
     matter = [model for model, chance in zip(models, chances, strict=True) if chance >= 0.01]
     for model in matter:
         out += [f"the evidence of {model.name}: {warning}" for warning in model.warnings]
+        out += _at_bounds(model)
         if model.posterior is not None and not model.posterior.converged:
             out.append(f"sampling of {model.name} did not reach the stopping rule")
     loos = [(m, m.loo) for m in matter if m.loo is not None]
@@ -48,7 +54,7 @@ def family_caveats(
     free = next((m for m in matter if m.name.position == FREE), None)
     if free is not None:
         prior = position_prior(points)
-        shift = np.abs(free.position - prior.mean) / prior.sd
+        shift = np.abs(free.position - prior.mean) / np.hypot(prior.sd, _position_sd(free))
         if shift.max() > FAR:
             far = _far("position", float(shift.max()), "the stated one")
             out.append(f"{far}; AIC, BIC and chi-squared know no prior and are the found one's")
@@ -77,6 +83,37 @@ def family_caveats(
         total, se = paired_difference(ahead.loo, best.loo)
         if total > max(4.0, 2 * se):
             out.append(f"leave-one-out prefers {ahead.name}, by {total:.1f} +- {se:.1f}")
+    return out
+
+
+def _position_sd(model: JointModel) -> Array:
+    """Give standard errors of the position that a model's points alone give, ``(3,)``."""
+    kept = model.posterior or model.weighted
+    assert kept is not None, "a free position has draws"
+    if isinstance(kept.model, PinholeModel):
+        return pinhole_position_sd(kept.model.geometry, kept.model.fit)
+    if isinstance(kept.model, FreePositionModel):
+        return position_sd(kept.model)
+    return np.zeros(3)  # under robust noise the position found is the posterior's
+
+
+def _at_bounds(model: JointModel) -> list[str]:
+    """Say which sigma is held by a bound of its prior rather than by the pixels."""
+    if model.posterior is None:
+        return []
+    posterior, (low, high) = model.posterior, SIGMA_BOUNDS
+    draws = posterior.chain.draws.reshape(-1, len(posterior.names))
+    out = []
+    for name, values in zip(posterior.names, draws.T, strict=True):
+        if not name.startswith("sigma"):
+            continue
+        for bound, near, why in (
+            (low, values < low * NEAR, "the pixels have hardly any noise"),
+            (high, values > high / NEAR, "the model does not fit"),
+        ):
+            if near.mean() > PILE:
+                share = f"{100 * near.mean():.0f} % of {name}'s posterior"
+                out.append(f"{model.name}: {share} lies at its bound, {bound:g} px: {why}")
     return out
 
 

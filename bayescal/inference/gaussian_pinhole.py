@@ -64,6 +64,9 @@ class GaussianPinhole(PinholeModel):
 
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:
         """Draw the sigmas and tau given the rest; logs, in further columns."""
+        return np.concatenate([self._complete(part, rng) for part in self.in_parts(theta)])
+
+    def _complete(self, theta: Array, rng: np.random.Generator) -> Array:
         coordinates = self.coordinates(theta)
         residuals, _ = self.residuals(coordinates)
         columns = [theta]

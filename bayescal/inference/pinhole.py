@@ -80,11 +80,14 @@ class PinholeModel(ABC):
 
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior, ``(n_draws,)``, what has a closed form integrated out."""
-        step = max(1, CHUNK // (2 * self.data.n))
-        parts = [theta[i : i + step] for i in range(0, len(theta), step)]
         with np.errstate(all="ignore"):
-            values = np.concatenate([self._log_density(part) for part in parts])
+            values = np.concatenate([self._log_density(part) for part in self.in_parts(theta)])
         return np.where(np.isfinite(values), values, -np.inf)
+
+    def in_parts(self, draws: Array) -> list[Array]:
+        """Split draws so that the pixels of each part fit into memory."""
+        step = max(1, CHUNK // (2 * self.data.n))
+        return [draws[i : i + step] for i in range(0, len(draws), step)]
 
     @abstractmethod
     def _log_density(self, theta: Array) -> Array:
@@ -123,6 +126,9 @@ class PinholeModel(ABC):
 
     def log_likelihood(self, full: Array) -> Array:
         """Log density of each point, r and c together, ``(n_draws, n_points)``."""
+        return np.concatenate([self._log_likelihood(part) for part in self.in_parts(full)])
+
+    def _log_likelihood(self, full: Array) -> Array:
         residuals, _ = self.residuals(self.coordinates(full))
         total = np.zeros(residuals[:, 0].shape)
         for i, (log_sigma, eta) in enumerate(self.levels(full)):
@@ -131,14 +137,17 @@ class PinholeModel(ABC):
 
     def bad_probability(self, full: Array) -> Array | None:
         """Probability that each pixel value is bad, ``(2, n_points)``, averaged over draws."""
-        residuals, _ = self.residuals(self.coordinates(full))
-        out = []
-        for i, (log_sigma, eta) in enumerate(self.levels(full)):
-            found = self.noise.bad_probability(residuals[:, i], log_sigma, eta, self.data.sd[i])
-            if found is None:
-                return None
-            out.append(found.mean(axis=0))
-        return np.stack(out)
+        parts = self.in_parts(full)
+        totals = np.zeros((2, self.data.n))
+        for part in parts:
+            residuals, _ = self.residuals(self.coordinates(part))
+            for i, (log_sigma, eta) in enumerate(self.levels(part)):
+                sd = self.data.sd[i]
+                found = self.noise.bad_probability(residuals[:, i], log_sigma, eta, sd)
+                if found is None:
+                    return None
+                totals[i] += found.sum(axis=0)
+        return totals / len(full)
 
     def residuals(self, theta: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Measured less predicted pixels, and which draws see all points.

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from bayescal.arrays import Array
 from bayescal.inference.pinhole_fit import PinholeFit
 from bayescal.models.camera_prior import PositionPrior
 from bayescal.models.pinhole import ANCHOR, PinholeGeometry
@@ -37,8 +38,7 @@ def suited(
     if geometry.fixed is not None:
         return geometry, fit
     d = len(fit.free)
-    moved = fit.free + STEP * 1j * np.eye(d)
-    slopes = geometry.position(moved).imag.T / STEP
+    slopes = _position_slopes(geometry, fit)
     known = slopes / prior.sd[:, None]
     if np.linalg.eigvalsh(known @ fit.covariance @ known.T).max() <= 1:
         return geometry, fit
@@ -47,3 +47,16 @@ def suited(
     change[ANCHOR] = slopes
     free = held.free(geometry.full(fit.free[None]))[0]
     return held, replace(fit, free=free, covariance=change @ fit.covariance @ change.T)
+
+
+def position_sd(geometry: PinholeGeometry, fit: PinholeFit) -> Array:
+    """Give standard errors of the position that fits best, of the likelihood alone, ``(3,)``."""
+    slopes = _position_slopes(geometry, fit)
+    # Of an exact fit rounding may leave less than nothing.
+    return np.sqrt(np.maximum(np.diag(slopes @ fit.covariance @ slopes.T), 0.0))
+
+
+def _position_slopes(geometry: PinholeGeometry, fit: PinholeFit) -> Array:
+    """Slopes of the position at a fit, ``(3, dimension)``, by complex step."""
+    moved = fit.free + STEP * 1j * np.eye(len(fit.free))
+    return np.asarray(geometry.position(geometry.full(moved)).imag.T / STEP)

@@ -126,6 +126,14 @@ def _height(
     return total
 
 
+def position_sd(model: FreePositionModel) -> Array:
+    """Give standard errors of the position of highest likelihood, of it alone, ``(3,)``."""
+    _, slope = _stacked(model.axes, model.prior, model.start, weigh=False)
+    _, d, vt = np.linalg.svd(slope, full_matrices=False)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.linalg.norm(vt.T / d, axis=1))
+
+
 def linearised(axis: MovingAxis, position: Array, *, slopes: bool = True) -> tuple[Array, Array]:
     """Weighted residuals at the best coefficients, and their slopes as these follow.
 

@@ -91,6 +91,8 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
             "from 0.4) come from the evidence without the point. Monte Carlo errors of elpd: at "
             f"most {significant(max(loo.mcse for loo in loos), 1)}."
         )
+    if len(loos) < len(shown):
+        notes.append("elpd is left empty where too few draws count to tell of every point.")
     if not all(loo.reliable for loo in loos):
         notes.append(
             "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "

@@ -50,6 +50,8 @@ class OpenCVCamera:
         Whether world points go in with y negated.
     size : tuple
         Width and height of the image, px; None where not known.
+    sound : bool
+        Whether its draws converged and its evidence can be trusted.
     """
 
     matrix: Array
@@ -60,6 +62,7 @@ class OpenCVCamera:
     covariance: Array
     negates_y: bool
     size: tuple[float | None, float | None]
+    sound: bool
 
     def __str__(self) -> str:
         """Text for ``cv2.FileStorage``, YAML."""
@@ -69,6 +72,7 @@ class OpenCVCamera:
             for name, value in zip(("image_width", "image_height"), self.size, strict=True)
             if value is not None
         ]
+        lines.append(f"draws_converged: {int(self.sound)}")
         lines.append(f'world_points: "{NEGATED if self.negates_y else KEPT}"')
         for name, array in (
             ("camera_matrix", self.matrix),
@@ -159,6 +163,7 @@ def opencv_camera(found: FamilyComparison) -> OpenCVCamera:
         frozen(np.cov(draws[:, inferred].T)),
         setup.c_from_bottom,
         (setup.width, setup.height),
+        best.sound,
     )
 
 

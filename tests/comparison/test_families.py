@@ -23,7 +23,7 @@ from bayescal.report.families import families_view, joint_fit_view
 from bayescal.report.render import render
 from bayescal.settings import Settings
 from bayescal.sources import Computed
-from tests.cameras import turned_points
+from tests.cameras import TURNED, turned_points
 
 
 def joint(family, orders, position, evidence):
@@ -109,6 +109,27 @@ def test_a_camera_far_from_where_its_priors_expect_it_is_said():
     assert any(c.startswith("the focal length found is ") for c in said)
     right = bc.fit_family(points, "pinhole", (1,), ess=400).verdict.caveats
     assert not any("prior and data disagree" in caveat for caveat in right)
+
+
+def test_a_narrow_prior_that_agrees_with_the_points_is_no_disagreement():
+    """The likelihood alone is unsure of the position by more than that prior."""
+    points = turned_points(0.06)
+    true = replace(points.setup, position=TURNED["position"])
+    camera = replace(true.camera, position_sd=(1e-4, 1e-4, 1e-4))
+    points = replace(points, setup=replace(true, camera=camera))
+    for family, orders in (("pinhole", (1,)), ("separable", (1, 1))):
+        found = bc.fit_family(points, family, orders, position="free", ess=100)
+        said = any("position found" in caveat for caveat in found.verdict.caveats)
+        assert said == (family == "separable"), "which is far from looking along z"
+
+
+def test_a_sigma_at_the_bound_of_its_prior_is_said():
+    points = bc.thesis()
+    far = replace(points, pixels=points.pixels + np.array([1e6, 0]))
+    found = bc.fit_family(far, "pinhole", (0,), ess=100)
+    assert any("lies at its bound, 1000 px" in caveat for caveat in found.verdict.caveats)
+    plain = bc.fit_family(points, "pinhole", (0,), ess=100)
+    assert not any("its bound" in caveat for caveat in plain.verdict.caveats)
 
 
 def test_weak_combinations_of_a_known_matrix():

@@ -240,3 +240,23 @@ def test_leave_one_out_equals_importance_sampling_of_the_draws(thesis_comparison
     assert good.mean() > 0.9
     off = np.abs(elpd - exact.pointwise) / mcse
     assert off[good].max() < 5
+
+
+def test_a_point_that_every_draw_predicts_alike_has_a_good_tail():
+    """Of a known deviation of 1e9 px, say: its weights are all the same."""
+    rng = np.random.default_rng(0)
+    log_likelihood = np.vstack([np.full(1000, -20.0), rng.normal(-1, 0.3, 1000)])
+    found = psis_loo(log_likelihood)
+    alone = psis_loo(log_likelihood[1:])
+    assert found.pointwise[0] == pytest.approx(-20.0)
+    assert found.pareto_k[0] == 0
+    np.testing.assert_allclose(found.pointwise[1:], alone.pointwise, rtol=1e-12)
+    np.testing.assert_allclose(found.pareto_k[1:], alone.pareto_k, rtol=1e-9)
+
+
+def test_the_error_of_a_sum_takes_in_that_its_terms_share_draws():
+    """Twice the same point: twice the error, not its root."""
+    row = np.random.default_rng(0).normal(-1, 0.3, (1, 1000))
+    one, two = psis_loo(row), psis_loo(np.vstack([row, row]))
+    assert one.mcse_of_sum == pytest.approx(one.mcse[0])
+    assert two.mcse_of_sum == pytest.approx(2 * one.mcse_of_sum)

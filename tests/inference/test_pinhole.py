@@ -58,6 +58,19 @@ def test_a_known_sigma_and_a_fixed_tau_leave_nothing_to_average():
     np.testing.assert_allclose(made.log_prob(theta), expected, rtol=1e-12)
 
 
+def test_many_points_are_taken_in_parts(monkeypatch):
+    """Which change nothing: of a fixed tau and known sigmas nothing is drawn either."""
+    made = model(bc.thesis(), 1, levels=(NoiseLevel.known(3.0), NoiseLevel.known(3.5)), tau=0.05)
+    theta = np.random.default_rng(0).normal(0, 1, (10, made.dimension))
+    rng = np.random.default_rng(1)
+    whole = made.log_likelihood(theta), made.complete(theta, rng), made.log_prob(theta)
+    monkeypatch.setattr("bayescal.inference.pinhole.CHUNK", 3 * 2 * 57)
+    assert [len(part) for part in made.in_parts(theta)] == [3, 3, 3, 1]
+    parts = made.log_likelihood(theta), made.complete(theta, rng), made.log_prob(theta)
+    for one, other in zip(whole, parts, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-13)
+
+
 def test_points_behind_the_camera_have_no_density():
     made = model(bc.thesis(), 0)
     theta = np.zeros((1, made.dimension))

@@ -41,6 +41,7 @@ def test_opencv_projects_where_the_camera_does(tmp_path, order, position):
     storage, (matrix, distortion, turn, shift) = read(tmp_path / "camera.yml")
     assert storage.getNode("world_points").string().startswith("y negated")
     assert storage.getNode("image_width").real() == 1920
+    assert storage.getNode("draws_converged").real() == 1
     projected, _ = cv2.projectPoints(points.world * FLIP, turn, shift, matrix, distortion)
     geometry, theta = middle(found)
     r, c = geometry.project(theta)[0][0]
@@ -120,6 +121,14 @@ def test_what_opencv_has_no_words_for_is_refused(options, match, tmp_path, capsy
     assert main(["fit", *options, "--opencv", str(place)]) == 2
     assert match in capsys.readouterr().err
     assert not place.exists()
+
+
+def test_one_file_for_two_outputs_is_refused(tmp_path, capsys):
+    place = str(tmp_path / "camera.yml")
+    fit = ["fit", "--family", "pinhole", "--order", "0", "--opencv", place, "--json", place]
+    assert main([*fit, "--force"]) == 2
+    assert "name the same file" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_nothing_is_replaced_unasked(tmp_path, capsys):
