@@ -26,6 +26,7 @@ import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.inference.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.pinhole_coordinates import suited
 from bayescal.inference.pinhole_fit import JointData, fit_pinhole
 from bayescal.inference.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
@@ -61,7 +62,9 @@ KNOWN = StatedCamera(
 def build(points: Correspondences, order: int, tau: float | None = None) -> GaussianPinhole:
     """Fit a pinhole with the levels of `points`' problem."""
     geometry, prior, data = problem(points, order, tau=tau)
-    return GaussianPinhole.of(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
+    fit = fit_pinhole(points, geometry, prior, data)
+    geometry, fit = suited(geometry, prior.position, fit)
+    return GaussianPinhole.of(geometry, prior, data, fit)
 
 
 def sampled(model: GaussianPinhole, seed: int, ess: int) -> SampledPosterior:
@@ -144,7 +147,7 @@ def sbc(sets: int) -> Iterator[str]:
             points, theta, hidden = simulated(order, seed)
             model = model_of(points, order)
             draws = sampled(model, seed, 400).chain.draws
-            free = model.frame.whitened(theta)
+            free = model.frame.whitened(model.geometry.free(theta))
             truth = model.report(np.concatenate([free, hidden[None]], axis=1))[0]
             apart = draws.reshape(-1, draws.shape[2])
             found.append((truth, apart[:: len(apart) // DRAWS][:DRAWS]))
