@@ -92,7 +92,9 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
             f"most {significant(max(loo.mcse for loo in loos), 1)}."
         )
     if len(loos) < len(shown):
-        notes.append("elpd is left empty where too few draws count to tell of every point.")
+        notes.append(
+            "elpd is left empty where too few draws count, or fit into memory, to tell of every point."
+        )
     if not all(loo.reliable for loo in loos):
         notes.append(
             "? marks an elpd whose importance weights have too heavy a tail (Pareto k not below "
