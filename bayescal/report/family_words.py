@@ -93,7 +93,8 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
         )
     if len(loos) < len(shown):
         notes.append(
-            "elpd is left empty where too few draws count, or fit into memory, to tell of every point."
+            "elpd is left empty where too few draws count, or fit into memory, to tell of every "
+            "point."
         )
     if not all(loo.reliable for loo in loos):
         notes.append(
