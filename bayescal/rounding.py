@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+SMALL = 1e-4  # below it a value may be shown with an exponent
+
 
 def decimals_for(uncertainty: float, digits: int = 2) -> int:
     """Decimal places that show an uncertainty with so many significant digits.
@@ -17,8 +19,13 @@ def decimals_for(uncertainty: float, digits: int = 2) -> int:
 
 
 def rounded(value: float, uncertainty: float) -> str:
-    """Format a value to the decimal place of its two-digit uncertainty, at most the eighth."""
+    """Format a value to the decimal place of its two-digit uncertainty, at most the eighth.
+
+    A value that so many decimals would lose has an exponent instead.
+    """
     places = decimals_for(uncertainty)
+    if places > 8 and 0 < abs(value) < SMALL:
+        return f"{value:.{max(places + math.floor(math.log10(abs(value))), 0)}e}"
     return _fixed(value, min(places, 8)) if places >= -6 else f"{value:.4g}"
 
 
