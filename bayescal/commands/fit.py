@@ -79,6 +79,8 @@ def _joint(options: argparse.Namespace) -> int:
         from bayescal.report.opencv import check_opencv
 
         check_opencv(family, wanted[0], options.radial or "even")
+        if options.opencv in ("", "-"):
+            raise InputError("--opencv: name a file")
         place = Path(options.opencv)
         check_file(options, place)
         if options.json not in (None, "-") and place.resolve() == Path(options.json).resolve():

@@ -113,12 +113,13 @@ def test_least_squares_are_those_of_calibrate_camera():
         (["--order-r", "1", "--order-c", "1"], "--opencv is of a pinhole"),
         (["--family", "bivariate", "--order", "1"], "a pinhole, not bivariate"),
         (["--family", "pinhole", "--order", "4"], "order 0 to 3"),
+        (["--family", "pinhole", "--order", "1", "--opencv", "-"], "name a file"),
         (["--family", "pinhole", "--order", "1", "--radial", "all"], "--radial even"),
     ],
 )
 def test_what_opencv_has_no_words_for_is_refused(options, match, tmp_path, capsys):
     place = tmp_path / "camera.yml"
-    assert main(["fit", *options, "--opencv", str(place)]) == 2
+    assert main(["fit", "--opencv", str(place), *options]) == 2
     assert match in capsys.readouterr().err
     assert not place.exists()
 
