@@ -8,8 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.comparison.caveats import PILE
 from bayescal.comparison.families import FREE, PINHOLE, STATED, JointModel
 from bayescal.comparison.leave_one_out import paired_difference
+from bayescal.inference.evidence import NEAR_BOUND
 from bayescal.inference.free_position import FreePositionModel
 from bayescal.inference.pinhole import PinholeModel
 from bayescal.inference.pinhole_coordinates import position_sd as pinhole_position_sd
@@ -17,10 +19,10 @@ from bayescal.inference.position_search import position_sd
 from bayescal.models.camera_prior import position_prior
 from bayescal.models.noise.level import SIGMA_BOUNDS
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import AXES
 from bayescal.rounding import counted
 
 FAR = 3.0  # standard deviations
-NEAR, PILE = 1.05, 0.01  # what counts as at a bound, and how much of the posterior there
 
 
 def family_caveats(
@@ -56,8 +58,11 @@ def family_caveats(
         prior = position_prior(points)
         shift = np.abs(free.position - prior.mean) / np.hypot(prior.sd, _position_sd(free))
         if shift.max() > FAR:
-            far = _far("position", float(shift.max()), "the stated one")
-            out.append(f"{far}; AIC, BIC and chi-squared know no prior and are the found one's")
+            out.append(
+                f"the position found is {shift.max():.1f} sds, of prior and points together, from "
+                "the stated one: prior and data disagree; AIC, BIC and chi-squared know no prior "
+                "and are the found one's"
+            )
     if best.posterior is not None and isinstance(best.posterior.model, PinholeModel):
         out += _far_optics(best.posterior.model, best.posterior.full[:, -1])
     pinholes = sum(p for m, p in zip(models, chances, strict=True) if m.name.family == PINHOLE)
@@ -99,26 +104,35 @@ def _position_sd(model: JointModel) -> Array:
 
 def _at_bounds(model: JointModel) -> list[str]:
     """Say which sigma is held by a bound of its prior rather than by the pixels."""
-    if model.posterior is None:
-        return []
-    posterior, (low, high) = model.posterior, SIGMA_BOUNDS
-    draws = posterior.chain.draws.reshape(-1, len(posterior.names))
     out = []
-    for name, values in zip(posterior.names, draws.T, strict=True):
-        if not name.startswith("sigma"):
-            continue
-        for bound, near, why in (
-            (low, values < low * NEAR, "the pixels have hardly any noise"),
-            (high, values > high / NEAR, "the model does not fit"),
-        ):
-            if near.mean() > PILE:
-                share = f"{100 * near.mean():.0f} % of {name}'s posterior"
+    for name, masses in _masses_at_bounds(model):
+        whys = "the pixels have hardly any noise", "the model does not fit"
+        for bound, mass, why in zip(SIGMA_BOUNDS, masses, whys, strict=True):
+            if mass > PILE:
+                share = f"{100 * mass:.0f} % of {name}'s posterior"
                 out.append(f"{model.name}: {share} lies at its bound, {bound:g} px: {why}")
     return out
 
 
-def _far(what: str, sds: float, where: str) -> str:
-    return f"the {what} found is {sds:.1f} prior sds from {where}: prior and data disagree"
+def _masses_at_bounds(model: JointModel) -> list[tuple[str, tuple[float, float]]]:
+    """Give the posterior probability of each inferred sigma near its lower and upper bound, px."""
+    if model.posterior is None:
+        known = zip(AXES, model.exact, strict=False)
+        inferred = [(axis, e) for axis, e in known if e.model.noise.bounds == SIGMA_BOUNDS]
+        return [(f"sigma_{axis}", exact.sigma_at_bounds()) for axis, exact in inferred]
+    low, high = SIGMA_BOUNDS
+    draws = model.posterior.chain.draws.reshape(-1, len(model.posterior.names))
+    return [
+        (
+            name,
+            (
+                float(np.mean(values < low * (1 + NEAR_BOUND))),
+                float(np.mean(values > high / (1 + NEAR_BOUND))),
+            ),
+        )
+        for name, values in zip(model.posterior.names, draws.T, strict=True)
+        if name.startswith("sigma")
+    ]
 
 
 def _far_optics(model: PinholeModel, full: Array) -> list[str]:
@@ -131,4 +145,8 @@ def _far_optics(model: PinholeModel, full: Array) -> list[str]:
         "rotation": np.abs(theta[4:7] / prior.rotation_sd).max(),
     }
     where = "what the setup or its default expects"
-    return [_far(what, abs(float(z)), where) for what, z in offs.items() if abs(z) > FAR]
+    return [
+        f"the {what} found is {abs(float(z)):.1f} prior sds from {where}: prior and data disagree"
+        for what, z in offs.items()
+        if abs(z) > FAR
+    ]

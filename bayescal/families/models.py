@@ -89,7 +89,7 @@ def linear_axes(
 
 def noise_levels(points: Correspondences, settings: Settings, highest: int) -> NoiseLevels:
     """Noise levels of a joint model: as the separable family's where its regressors exist."""
-    pixels = np.stack([points.pixel(axis) for axis in AXES])
+    pixels = np.stack([points.checked_pixel(axis) for axis in AXES])
     sds, levels, words = [], [], []
     for i, axis in enumerate(AXES):
         try:

@@ -97,6 +97,7 @@ class MovingAxis:
             x=np.delete(every.x, point),
             t=np.delete(every.t, point),
             sd=rest(every.sd),
+            x_sd=rest(every.x_sd),
             other=rest(every.other),
             labels=labels[:point] + labels[point + 1 :],
         )

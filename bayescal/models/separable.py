@@ -43,16 +43,8 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
             f"{points.place(int(bad[0]))}: z is {points.world[bad[0], 2] + 0.0:g}, in the camera's "
             f"plane, where {name} is infinite; remove the point or mend the camera position"
         )
-    t = points.pixel(axis)
+    t = points.checked_pixel(axis)
     size = points.setup.size(axis)
-    if size is not None:
-        outside = np.flatnonzero((t < -size) | (t > 2 * size))
-        if outside.size:
-            first = int(outside[0])
-            raise InputError(
-                f"{points.place(first)}: {axis} = {t[first]:g} px is far outside an image of "
-                f"{size:g} px; mend the pixel, the image size or the direction of c"
-            )
     return AxisData(
         axis=axis,
         regressor=name,

@@ -141,6 +141,25 @@ class Correspondences:
             return self.setup.height - c
         return c
 
+    def checked_pixel(self, axis: str) -> Array:
+        """Give `pixel` of an axis, where none is far off the image.
+
+        Raises
+        ------
+        InputError
+            Where one is more than an image size outside it.
+        """
+        t, size = self.pixel(axis), self.setup.size(axis)
+        if size is not None:
+            outside = np.flatnonzero((t < -size) | (t > 2 * size))
+            if outside.size:
+                first = int(outside[0])
+                raise InputError(
+                    f"{self.place(first)}: {axis} = {t[first]:g} px is far outside an image of "
+                    f"{size:g} px; mend the pixel, the image size or the direction of c"
+                )
+        return t
+
     def world_sigma(self) -> Array | None:
         """Give the standard deviations of x, y, z, ``(n_points, 3)``, world units; None if unknown.
 

@@ -41,7 +41,7 @@ def no_criteria(found: FamilyComparison) -> str:
     """Say why a model has no AIC and BIC."""
     if found.settings.choice.robust:
         return "no AIC and BIC: under this noise the likelihood may have no maximum."
-    return "no AIC and BIC: residuals of an axis are rounding, which has no likelihood."
+    return "no AIC and BIC: residuals of an axis are rounding, it is fitted exactly."
 
 
 def power_words(model: JointModel) -> list[str]:

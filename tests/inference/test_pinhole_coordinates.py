@@ -78,4 +78,4 @@ def test_a_position_known_to_a_hundredth_is_sampled_well(noise):
     found = bc.fit_family(stated_to(0.01), "pinhole", (0,), noise=noise, ess=200)
     assert found.sound
     assert found.best.posterior.chain.acceptance > 0.45
-    assert any("prior sds from the stated one" in caveat for caveat in found.verdict.caveats)
+    assert any("the position found is" in caveat for caveat in found.verdict.caveats)

@@ -109,8 +109,10 @@ def _order_words(model: JointModel) -> str:
 
 
 def _number(value: float) -> str:
-    digits = 2 if value > -0.095 else 1 if value > -99.95 else 0
-    text = f"{value:.{digits}f}" if value else "0"
+    if value > -0.0005:
+        return "0"
+    digits = 3 if value > -0.0095 else 2 if value > -0.095 else 1 if value > -99.95 else 0
+    text = f"{value:.{digits}f}"
     return text.replace("-", "\N{MINUS SIGN}")
 
 

@@ -56,6 +56,9 @@ def _coordinate(panel: Axes, i: int, models: list[JointModel], prior: PositionPr
     panel.axvline(stated, color=BLACK, linewidth=1, label="stated")
     panel.set_xlim(low, high)
     panel.set_ylim(bottom=0)
+    # A narrow range far from zero: few ticks, each in full.
+    panel.locator_params(axis="x", nbins=3)
+    panel.ticklabel_format(axis="x", useOffset=False)
     panel.set_xlabel(f"camera {'xyz'[i]} [world units]")
     panel.set_title(f"{'xyz'[i]}: {_found(models[0], i)}\nprior {_normal(stated, sd)}", loc="left")
 
