@@ -16,7 +16,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from bayescal.version import __version__
 
 # Public names and the modules they live in. They are imported on first use, so
 # that `bayescal --help` does not pay for scipy.
@@ -43,7 +43,7 @@ _EXPORTS = {
     "save_run": "bayescal.report.runs",
     "plot": "bayescal.report.figures.registry",
     "outliers": "bayescal.api.outliers",
-    "reproduce": "bayescal.reproduction",
+    "reproduce": "bayescal.reproduction.procedure",
 }
 
 __all__ = [
@@ -88,7 +88,7 @@ if TYPE_CHECKING:
     from bayescal.report.opencv import opencv_camera, save_opencv
     from bayescal.report.page.page import save_report
     from bayescal.report.runs import open_run, save_run
-    from bayescal.reproduction import reproduce
+    from bayescal.reproduction.procedure import reproduce
 
 
 def __getattr__(name: str) -> Any:

@@ -12,10 +12,10 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from bayescal import __version__
 from bayescal.commands import compare, fit, outliers, plot, report, reproduce, simulate
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.errors import BayescalError
+from bayescal.version import __version__
 
 COMMANDS = {
     "compare": compare,

@@ -10,14 +10,14 @@ from fractions import Fraction
 import numpy as np
 
 from bayescal.arrays import Array, frozen
+from bayescal.comparison.settings import checked_orders
 from bayescal.errors import InputError
-from bayescal.models.basis import Domain, MonomialMap, legendre_design
-from bayescal.models.linear import AxisData
-from bayescal.models.priors import PriorRule
-from bayescal.models.separable import axis_data
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES, LARGEST_PX, Setup
-from bayescal.settings import checked_orders
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.basis import Domain, MonomialMap, legendre_design
+from bayescal.polynomials.separable import axis_data
+from bayescal.prior.amplitudes import PriorRule
 
 DEFAULT_TAU = 0.02
 DEFAULT_N = 57

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bayescal.inference.quadrature import COARSE, FINE
+from bayescal.linear.quadrature import COARSE, FINE
 from scripts.calibration import STANDARD_ERRORS, Claims, draw, log_evidences
 from scripts.sections import options_of, publish
 

@@ -14,12 +14,12 @@ from scipy.special import logsumexp
 
 import bayescal as bc
 from bayescal.arrays import Array, IntArray
-from bayescal.inference.evidence import Projection, Reduced, log_joint, tau_rule
-from bayescal.inference.quadrature import FINE, Accuracy
-from bayescal.models.basis import Domain, legendre_design
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.priors import PriorRule
-from bayescal.models.separable import axis_data
+from bayescal.linear.evidence import Projection, Reduced, log_joint, tau_rule
+from bayescal.linear.quadrature import FINE, Accuracy
+from bayescal.noise.level import NoiseLevel
+from bayescal.polynomials.basis import Domain, legendre_design
+from bayescal.polynomials.separable import axis_data
+from bayescal.prior.amplitudes import PriorRule
 
 ORDERS = (1, 2, 3, 4, 5)
 WIDTH = 1920.0  # px

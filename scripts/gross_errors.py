@@ -12,17 +12,17 @@ from scipy.special import logsumexp, softmax
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
+from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.adaptation import adapt
-from bayescal.inference.evidence import log_evidences
 from bayescal.inference.optimum import Mode, find_modes
-from bayescal.inference.quadrature import COARSE
-from bayescal.inference.reweighting import Rows
-from bayescal.inference.robust_linear import RobustLinearModel
 from bayescal.inference.t_mixture import TMixture, cholesky
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.noise.outlier_mixture import OutlierMixture
-from bayescal.models.priors import PriorRule
+from bayescal.linear.evidence import log_evidences
+from bayescal.linear.quadrature import COARSE
+from bayescal.linear.reweighting import Rows
+from bayescal.noise.level import NoiseLevel
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.prior.amplitudes import PriorRule
 from scripts.calibration import ORDERS, WIDTH, draw, regressors
 from scripts.sections import options_of, publish
 

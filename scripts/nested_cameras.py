@@ -10,9 +10,9 @@ import numpy as np
 from scipy.special import ndtri
 
 from bayescal.arrays import Array
-from bayescal.inference.gaussian_pinhole import GaussianPinhole
-from bayescal.models.pinhole import POSE
-from bayescal.models.priors import TAU_BOUNDS
+from bayescal.cameras.pinhole import POSE
+from bayescal.density.gaussian_pinhole import GaussianPinhole
+from bayescal.prior.amplitudes import TAU_BOUNDS
 
 LIVE = 1000
 IMPOSSIBLE = -1e100

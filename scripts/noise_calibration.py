@@ -13,14 +13,14 @@ from numpy.polynomial import Legendre, Polynomial
 from scipy import stats
 
 from bayescal.arrays import Array
-from bayescal.inference.robust_linear import RobustLinearModel
+from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.sampled_posterior import sample_model
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.noise.model import NoiseModel
-from bayescal.models.noise.outlier_mixture import OutlierMixture
-from bayescal.models.noise.student_t import StudentT
-from bayescal.models.priors import PriorRule
+from bayescal.noise.level import NoiseLevel
+from bayescal.noise.model import NoiseModel
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import StudentT
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.prior.amplitudes import PriorRule
 from scripts.ranks import DRAWS
 
 SIZE = 1000.0  # px

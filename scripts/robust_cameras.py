@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 import bayescal as bc
-from bayescal.families.models import noise_levels, pinhole_model
-from bayescal.inference.robust_pinhole import RobustPinhole
+from bayescal.comparison.families.models import noise_levels, pinhole_model
+from bayescal.comparison.settings import Settings
+from bayescal.density.robust_pinhole import RobustPinhole
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
-from bayescal.settings import Settings
-from tests.cameras import turned_points
+from tests.helpers.cameras import turned_points
 
 SEEDS = 10
 ESS = 400

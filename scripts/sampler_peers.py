@@ -30,14 +30,14 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import bayescal as bc
 from bayescal.arrays import Array
+from bayescal.cameras.pinhole import ANCHOR, POSE
+from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.arviz_bridge import diagnose
-from bayescal.inference.gaussian_pinhole import GaussianPinhole
-from bayescal.models.camera_prior import log_normal
-from bayescal.models.pinhole import ANCHOR, POSE
-from bayescal.models.priors import TAU_BOUNDS
+from bayescal.prior.amplitudes import TAU_BOUNDS
+from bayescal.prior.camera import log_normal
 from scripts.sections import publish
 from scripts.validate_families import build, sampled
-from tests.cameras import turned_points
+from tests.helpers.cameras import turned_points
 
 HEADING = "## Camera families: against other samplers"
 ESS = 4000

@@ -17,13 +17,13 @@ from scipy.special import gammaincinv, logsumexp, ndtr, softmax
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.inference.robust_pinhole import RobustPinhole
+from bayescal.cameras.pinhole import POSE
+from bayescal.density.robust_pinhole import RobustPinhole
 from bayescal.inference.sampled_posterior import sample_model
-from bayescal.models.noise.student_t import RATE, SHAPE
-from bayescal.models.pinhole import POSE
-from bayescal.models.priors import TAU_BOUNDS
-from bayescal.models.probit import log_prior, log_value
+from bayescal.noise.student_t import RATE, SHAPE
 from bayescal.points.camera import StatedCamera
+from bayescal.prior.amplitudes import TAU_BOUNDS
+from bayescal.prior.probit import log_prior, log_value
 from scripts.robust_cameras import robust_model
 
 PARTICLES, SEEDS = 4000, 4

@@ -24,25 +24,25 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.inference.gaussian_pinhole import GaussianPinhole
+from bayescal.cameras.pinhole import PinholeGeometry
+from bayescal.density.gaussian_pinhole import GaussianPinhole
+from bayescal.density.pinhole_coordinates import suited
+from bayescal.density.pinhole_fit import JointData, fit_pinhole
+from bayescal.density.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.laplace_mixture import mixture_about
-from bayescal.inference.pinhole_coordinates import suited
-from bayescal.inference.pinhole_fit import JointData, fit_pinhole
-from bayescal.inference.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
-from bayescal.models.camera_prior import PinholePrior, pinhole_prior
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.pinhole import PinholeGeometry
-from bayescal.models.priors import TAU_BOUNDS
+from bayescal.noise.level import NoiseLevel
 from bayescal.points.camera import StatedCamera
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import Setup
+from bayescal.prior.amplitudes import TAU_BOUNDS
+from bayescal.prior.camera import PinholePrior, pinhole_prior
 from scripts.nested_cameras import LIVE, nested_evidence
 from scripts.ranks import DRAWS, holm, p_values, ranks
 from scripts.robust_cameras import robust
 from scripts.sections import publish
 from scripts.tempered_cameras import tempered
-from tests.cameras import problem
+from tests.helpers.cameras import problem
 
 SETS = 128
 BINS = 8

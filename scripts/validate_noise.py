@@ -14,14 +14,14 @@ from threadpoolctl import threadpool_limits
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.inference.robust_linear import RobustLinearModel
+from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.sampled_posterior import sample_model
-from bayescal.models.linear import generic_axis
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.noise.outlier_mixture import OutlierMixture
-from bayescal.models.noise.student_t import StudentT
-from bayescal.models.priors import PriorRule
-from bayescal.models.separable import axis_data
+from bayescal.noise.level import NoiseLevel
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import StudentT
+from bayescal.polynomials.axis_data import generic_axis
+from bayescal.polynomials.separable import axis_data
+from bayescal.prior.amplitudes import PriorRule
 from scripts.noise_calibration import NOISES, Design, X, posteriors
 from scripts.ranks import holm, p_values, ranks
 from scripts.sections import options_of, publish

@@ -14,8 +14,8 @@ import pytest
 from scipy import stats
 
 from bayescal.arrays import Array
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.quadrature import FINE
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.quadrature import FINE
 from scripts.calibrate import HEADING, QUICK, SIZES, honest
 from scripts.calibration import (
     ORDERS,
@@ -28,7 +28,7 @@ from scripts.calibration import (
     poisson_binomial_quantile,
 )
 from scripts.sections import with_section
-from tests.problems import make_axis, make_model
+from tests.helpers.problems import make_axis, make_model
 
 SETS = 1000
 

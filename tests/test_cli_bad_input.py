@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from bayescal.cli import main
-from tests.points.examples import HEADER, rows, text
-from tests.report.command import apart
+from tests.helpers.command import apart
+from tests.helpers.points_files import HEADER, rows, text
 
 GOOD = text(rows(30))
 TWO_VALUES = text([(x, 7, 1, 100 * x + y, y) for x in (0, 1) for y in range(8)])

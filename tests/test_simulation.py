@@ -10,9 +10,9 @@ from scipy import stats
 
 import bayescal as bc
 from bayescal.errors import InputError
-from bayescal.models.basis import Domain
 from bayescal.points.reader import load
 from bayescal.points.writer import to_csv
+from bayescal.polynomials.basis import Domain
 from bayescal.simulation import DEFAULT_SETUP, DEFAULT_TAU, VOLUME, simulate
 
 BOTH = {"r": 3, "c": 2}

@@ -15,8 +15,8 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.results import Comparison
-from tests.notebook import WALKTHROUGH
-from tests.report.command import environment
+from tests.helpers.command import environment
+from tests.helpers.notebook import WALKTHROUGH
 
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
@@ -32,7 +32,7 @@ def executed(tmp_path_factory: pytest.TempPathFactory) -> Any:
     copy = tmp_path_factory.mktemp("walkthrough") / "copy.ipynb"
     copy.write_bytes(WALKTHROUGH.read_bytes())
     done = subprocess.run(
-        [sys.executable, "-m", "tests.notebook", str(copy)],
+        [sys.executable, "-m", "tests.helpers.notebook", str(copy)],
         cwd=Path(__file__).resolve().parents[1],
         env=environment(),
         capture_output=True,

@@ -6,13 +6,13 @@ import dataclasses
 from collections.abc import Iterable
 from typing import Unpack
 
-from bayescal.analysis import Progress, analyse_points
 from bayescal.api.options import Options, spelled_out
+from bayescal.comparison.analysis import Progress, analyse_points
 from bayescal.comparison.results import Comparison
+from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
 from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import axis_names
-from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
 
 
 @spelled_out(Options)
@@ -44,7 +44,7 @@ def compare(
     progress : callable, optional
         Called with axis and order before each model is sampled.
     **options : Options
-        Of noise, prior and sampling: see `bayescal.settings.Settings`.
+        Of noise, prior and sampling: see `bayescal.comparison.settings.Settings`.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def compare(
     result = analyse_points(points, by_axis, settings, progress)
     if not hint:
         return result
-    from bayescal.families.hint import family_hint
+    from bayescal.comparison.families.hint import family_hint
 
     return dataclasses.replace(result, hint=family_hint(points, result, settings))
 
@@ -85,7 +85,7 @@ def fit(
     progress : callable, optional
         As in `compare`.
     **options : Options
-        Of noise, prior and sampling: see `bayescal.settings.Settings`.
+        Of noise, prior and sampling: see `bayescal.comparison.settings.Settings`.
 
     Returns
     -------

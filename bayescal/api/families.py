@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Unpack
 
-from bayescal.analysis import Progress
 from bayescal.api.options import Options, spelled_out
-from bayescal.comparison.families import FamilyComparison, FamilyRequest
-from bayescal.families.analysis import compare_joint
-from bayescal.models.pinhole import Radial
+from bayescal.cameras.pinhole import Radial
+from bayescal.comparison.analysis import Progress
+from bayescal.comparison.families.analysis import compare_joint
+from bayescal.comparison.families.results import FamilyComparison, FamilyRequest
+from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
 from bayescal.points.correspondences import Correspondences
-from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
 
 RADIAL_ORDERS = (0, 1, 2, 3)
 
@@ -47,7 +47,7 @@ def compare_families(
         Called with the family and its position before its models are fitted.
     **options : Options
         Of noise, prior and sampling: see
-        `bayescal.settings.Settings`.
+        `bayescal.comparison.settings.Settings`.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def fit_family(
         As in `compare_families`.
     **options : Options
         Of noise, prior and sampling: see
-        `bayescal.settings.Settings`.
+        `bayescal.comparison.settings.Settings`.
 
     Returns
     -------

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import fields
 from typing import Any, TypedDict, TypeVar, get_type_hints
 
-from bayescal.settings import Settings
+from bayescal.comparison.settings import Settings
 
 # What numpydoc says of a parameter: its name and type, then, indented, its meaning.
 ENTRY = re.compile(r"^([*\w]+) : .*\n(?: +.*\n)*", re.MULTILINE)

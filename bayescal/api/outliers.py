@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from bayescal.comparison.noise_evidence import ESS
-from bayescal.comparison.outlier_results import OutlierStudy
-from bayescal.comparison.rejection import RejectionRule
+from bayescal.comparison.defence.noise_evidence import ESS
+from bayescal.comparison.outliers.analysis import find_outliers
+from bayescal.comparison.outliers.rejection import RejectionRule
+from bayescal.comparison.outliers.results import OutlierStudy
+from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
 from bayescal.errors import InputError
-from bayescal.models.noise.outlier_mixture import OutlierMixture
-from bayescal.models.noise.student_t import StudentT
-from bayescal.outlier_analysis import find_outliers
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import StudentT
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import axis_names
-from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
 
 SIGNIFICANCE = 0.05
 

@@ -8,13 +8,13 @@ from typing import Unpack
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bayescal.analysis import analyse_arrays
 from bayescal.api.options import PolynomialOptions, spelled_out
 from bayescal.arrays import Array, ArrayLike
+from bayescal.comparison.analysis import analyse_arrays
 from bayescal.comparison.results import Comparison, OrderResult
-from bayescal.inference.least_squares import LeastSquaresFit, factorise, solve
-from bayescal.models.linear import generic_axis
-from bayescal.settings import DEFAULT_ORDERS, Settings, checked_orders
+from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
+from bayescal.linear.least_squares import LeastSquaresFit, factorise, solve
+from bayescal.polynomials.axis_data import generic_axis
 
 
 @spelled_out(PolynomialOptions)
@@ -40,7 +40,7 @@ def compare_polynomials(
     sigma : float or array_like, optional
         Known standard deviation of y, one or ``(n_points,)``; inferred by default.
     **options : PolynomialOptions
-        Of noise, prior and sampling: see `bayescal.settings.Settings`.
+        Of noise, prior and sampling: see `bayescal.comparison.settings.Settings`.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def fit_polynomial(
     sigma : float or array_like, optional
         Known standard deviation of y, one or ``(n_points,)``; inferred by default.
     **options : PolynomialOptions
-        Of noise, prior and sampling: see `bayescal.settings.Settings`.
+        Of noise, prior and sampling: see `bayescal.comparison.settings.Settings`.
 
     Returns
     -------

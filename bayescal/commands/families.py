@@ -12,7 +12,7 @@ from bayescal.commands.output import code_of, publish
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
-    from bayescal.comparison.families import FamilyComparison
+    from bayescal.comparison.families.results import FamilyComparison
 
 
 def add_families(parser: argparse.ArgumentParser, *, several: bool) -> None:

@@ -213,7 +213,7 @@ def settings(options: argparse.Namespace) -> dict[str, Any]:
 
 def orders_of(options: argparse.Namespace) -> list[int]:
     """Orders to compare, given or not."""
-    from bayescal.settings import DEFAULT_ORDERS
+    from bayescal.comparison.settings import DEFAULT_ORDERS
 
     return list(DEFAULT_ORDERS) if options.orders is None else options.orders
 

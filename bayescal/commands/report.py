@@ -12,8 +12,8 @@ from bayescal.commands.output import add_progress, check_file, code_of
 from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
-    from bayescal.comparison.families import FamilyComparison
-    from bayescal.comparison.outlier_results import OutlierStudy
+    from bayescal.comparison.families.results import FamilyComparison
+    from bayescal.comparison.outliers.results import OutlierStudy
     from bayescal.comparison.results import Comparison
     from bayescal.report.page.blocks import Page
 
@@ -146,8 +146,8 @@ def _of_another_run(
 def _check_families(options: argparse.Namespace, asked: dict[str, Any]) -> None:
     """Refuse, before anything is sampled, families that can't be compared so."""
     from bayescal.api.families import family_request
-    from bayescal.families.analysis import check_request
-    from bayescal.settings import Settings
+    from bayescal.comparison.families.analysis import check_request
+    from bayescal.comparison.settings import Settings
 
     given = {k: v for k, v in shared.settings(options).items() if k not in shared.COMPARED}
     check_request(family_request(orders=shared.orders_of(options), **asked), Settings(**given))

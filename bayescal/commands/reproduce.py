@@ -64,13 +64,13 @@ def sigma(text: str) -> float | str:
 def run(options: argparse.Namespace) -> int:
     """Reproduce, print and write; return the exit code."""
     from bayescal.report.facts import dumps
-    from bayescal.report.reproduction import reproduction_view
-    from bayescal.report.reproduction_document import reproduction_document
-    from bayescal.reproduction import reproduce
+    from bayescal.reproduction.document import reproduction_document
+    from bayescal.reproduction.procedure import reproduce
+    from bayescal.reproduction.tables import reproduction_view
 
     check_json(options)
     if options.out is not None:
-        from bayescal.report.reproduction_run import check_reproduction
+        from bayescal.reproduction.run import check_reproduction
 
         check_reproduction(Path(options.out), force=options.force)
     result = reproduce(
@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> int:
     )
 
     def write(folder: Path, text: str) -> None:
-        from bayescal.report.reproduction_run import write_reproduction
+        from bayescal.reproduction.run import write_reproduction
 
         write_reproduction(folder, result, text, force=options.force)
 

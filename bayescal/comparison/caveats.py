@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import Posterior
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.noise.level import NoiseLevel
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.notes import behind_notes, point_notes
 

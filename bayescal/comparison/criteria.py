@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bayescal.inference.least_squares import LeastSquaresFit
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.linear.least_squares import LeastSquaresFit
+from bayescal.noise.level import NoiseLevel
 
 LOG_2PI = math.log(2 * math.pi)
 

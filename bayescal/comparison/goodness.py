@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from scipy.special import chdtr, chdtrc, fdtrc
 
-from bayescal.inference.least_squares import LeastSquaresFit
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.linear.least_squares import LeastSquaresFit
+from bayescal.noise.level import NoiseLevel
 
 
 @dataclass(frozen=True)

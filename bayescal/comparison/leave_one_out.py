@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array, IntArray, frozen
-from bayescal.inference.closed_form import ExactPosterior
-from bayescal.inference.evidence import LOG_2PI, log_evidences
-from bayescal.inference.quadrature import FINE
-from bayescal.inference.reweighting import Rows
-from bayescal.models.linear import AxisData
+from bayescal.linear.closed_form import ExactPosterior
+from bayescal.linear.evidence import LOG_2PI, log_evidences
+from bayescal.linear.quadrature import FINE
+from bayescal.linear.reweighting import Rows
+from bayescal.polynomials.axis_data import AxisData
 
 # A point is refitted where the posterior without it peaks at a node at which the density
 # with it is below exp(-REFIT) of its maximum,

@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, Any
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
 from bayescal.comparison.verdict import AxisVerdict, percent
-from bayescal.inference.closed_form import ExactPosterior
-from bayescal.inference.least_squares import LeastSquaresFit
 from bayescal.inference.posterior import Posterior
+from bayescal.linear.closed_form import ExactPosterior
+from bayescal.linear.least_squares import LeastSquaresFit
 from bayescal.markup import bullets, table
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.gaussian import GAUSSIAN
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.noise.model import NoiseModel
-from bayescal.models.priors import PriorRule
+from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.noise.level import NoiseLevel
+from bayescal.noise.model import NoiseModel
 from bayescal.points.correspondences import Correspondences
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.prior.amplitudes import PriorRule
 from bayescal.rounding import plain, significant
 
 if TYPE_CHECKING:  # a plain comparison does not pay for the defence
     from bayescal.comparison.adequacy.outcome import AdequacyTest
-    from bayescal.comparison.defence import Defence
-    from bayescal.comparison.world_units import WorldUnit
+    from bayescal.comparison.defence.defence import Defence
+    from bayescal.comparison.defence.world_units import WorldUnit
+    from bayescal.comparison.settings import Settings
     from bayescal.inference.sampled_posterior import SampledPosterior
-    from bayescal.settings import Settings
 
 
 @dataclass(frozen=True, eq=False)

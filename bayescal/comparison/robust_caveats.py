@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from bayescal.comparison.caveats import common_caveats
 from bayescal.comparison.results import OrderResult
+from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.posterior import Posterior
-from bayescal.inference.robust_linear import RobustLinearModel
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.noise.level import NoiseLevel
 
 # Posterior mean of the bad fraction above which "bad" is no exception.
 MANY_BAD = 0.35

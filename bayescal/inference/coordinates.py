@@ -8,8 +8,8 @@ import numpy as np
 from scipy.linalg import block_diag, solve_triangular
 
 from bayescal.arrays import Array
-from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.proposal import Proposal
+from bayescal.linear.closed_form import ExactPosterior
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.closed_form import ExactPosterior, exact_posterior
 from bayescal.inference.coordinates import Whitening
-from bayescal.inference.model import LinearModel
 from bayescal.inference.proposal import LinearProposal, Proposal
 from bayescal.inference.sampling import Chain, sample
 from bayescal.inference.target import log_prob
+from bayescal.linear.closed_form import ExactPosterior, exact_posterior
+from bayescal.linear.model import LinearModel
 from bayescal.markup import table
 from bayescal.rounding import rounded, significant
 

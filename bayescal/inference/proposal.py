@@ -7,10 +7,10 @@ from typing import Protocol
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
-from bayescal.inference.closed_form import ExactPosterior
-from bayescal.inference.evidence import LOG_2PI
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.priors import CoefficientPrior
+from bayescal.linear.closed_form import ExactPosterior
+from bayescal.linear.evidence import LOG_2PI
+from bayescal.noise.level import NoiseLevel
+from bayescal.prior.amplitudes import CoefficientPrior
 
 # Share of the proposal that is uniform over the bounds of ln sigma and ln tau, so
 # that it covers the whole support of the target.

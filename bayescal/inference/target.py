@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.model import LinearModel
+from bayescal.linear.model import LinearModel
 
 LOG_2PI = float(np.log(2 * np.pi))
 

@@ -10,23 +10,23 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import bayescal
-from bayescal.analysis import analyse_points, model_name
-from bayescal.comparison.noise_evidence import NoiseEvidence
+from bayescal.comparison.analysis import analyse_points, model_name
+from bayescal.comparison.defence.noise_evidence import NoiseEvidence
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import Draws
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, posterior_of
 from bayescal.inference.stored import pack, pack_sampled, unpack
-from bayescal.models import separable
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.model import LinearModel
+from bayescal.polynomials import separable
 from bayescal.report.agreement import disagreement
 from bayescal.report.document import SCHEMA, document
 from bayescal.report.other_noises import noises_from
 from bayescal.report.run import described, fill_run
 from bayescal.report.run_files import RunFiles
 from bayescal.report.shape import AXIS, DOCUMENT
+from bayescal.version import __version__
 
 
 def write_comparison(
@@ -135,7 +135,7 @@ class _Run(RunFiles):
         if family != separable.NAME:
             raise InputError(
                 f"{self.folder}: is of the family {family!r}, which bayescal "
-                f"{bayescal.__version__} does not have ({self.between()}); upgrade bayescal"
+                f"{__version__} does not have ({self.between()}); upgrade bayescal"
             )
         axes = self.document["axes"]
         return {name: tuple(o["order"] for o in axis["orders"]) for name, axis in axes.items()}
@@ -146,7 +146,7 @@ class _Run(RunFiles):
         model: LinearModel,
         compute: Callable[[], Posterior],  # noqa: ARG002 - nothing is sampled
     ) -> Posterior:
-        """Read a model's draws (as a `bayescal.analysis.Source`)."""
+        """Read a model's draws (as a `bayescal.comparison.analysis.Source`)."""
         chain = self.read_draws(name, lambda draws: unpack(draws, model.names))
         return posterior_of(exact_posterior(model), chain)
 

@@ -8,13 +8,13 @@ import numpy as np
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from bayescal.comparison.argument import SMALL_SAMPLE
-from bayescal.comparison.defence import Defence, Prediction
+from bayescal.comparison.defence.argument import SMALL_SAMPLE
+from bayescal.comparison.defence.defence import Defence, Prediction
+from bayescal.comparison.defence.sensitivity import TauSensitivity
+from bayescal.comparison.defence.stability import Bootstrap, Removal, joint_probabilities
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.sensitivity import TauSensitivity
-from bayescal.comparison.stability import Bootstrap, Removal, joint_probabilities
 from bayescal.comparison.verdict import percent
-from bayescal.models.noise.gaussian import GAUSSIAN
+from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
 from bayescal.report.other_noises import noises_document, noises_table, other_noise_lines
 from bayescal.report.render import indented, laid_out
@@ -90,7 +90,7 @@ def left_out(axis: AxisComparison) -> list[str]:
     """Say which answers don't exist under this noise."""
     if axis.noise_model.name == GAUSSIAN.name:
         return []
-    from bayescal.comparison.robust_defence import LEFT_OUT
+    from bayescal.comparison.defence.robust_defence import LEFT_OUT
 
     return [LEFT_OUT]
 

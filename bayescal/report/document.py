@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-import bayescal
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.models.priors import TAU_BOUNDS, PriorRule
+from bayescal.comparison.settings import Settings
+from bayescal.prior.amplitudes import TAU_BOUNDS, PriorRule
 from bayescal.report.adequacy import adequacy_rows
 from bayescal.report.defence import defence_document
 from bayescal.report.facts import dumps as dumps
@@ -22,7 +22,7 @@ from bayescal.report.facts import points_facts
 from bayescal.report.noise import noise_document
 from bayescal.report.order import order_document
 from bayescal.report.robust import points_document
-from bayescal.settings import Settings
+from bayescal.version import __version__
 
 SCHEMA = "bayescal.comparison/1"
 PACKAGES = ("emcee", "numpy", "scipy", "arviz")
@@ -75,7 +75,7 @@ def provenance(settings: Settings, command: str) -> dict[str, Any]:
 def versions() -> dict[str, str]:
     """Versions of this program, of Python and of what the numbers depend on."""
     return {
-        "bayescal": bayescal.__version__,
+        "bayescal": __version__,
         "python": platform.python_version(),
         **{name: version(name) for name in PACKAGES},
     }

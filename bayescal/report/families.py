@@ -6,7 +6,7 @@ from rich.console import Group, RenderableType
 from rich.padding import Padding
 from rich.text import Text
 
-from bayescal.comparison.families import FamilyComparison
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.report.family_tables import (
     correlation_table,
     elpd_words,

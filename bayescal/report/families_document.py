@@ -8,14 +8,14 @@ from dataclasses import asdict
 from importlib.resources import files
 from typing import Any
 
-from bayescal.comparison.families import FamilyComparison, FamilyRequest, JointModel
+from bayescal.comparison.families.results import FamilyComparison, FamilyRequest, JointModel
+from bayescal.comparison.settings import Settings
 from bayescal.comparison.weak import weak_combinations
 from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.report.document import provenance
 from bayescal.report.facts import evidence_facts, finite, points_facts, summary_facts
 from bayescal.report.family_tables import correlations, exact_parameters
-from bayescal.settings import Settings
 
 SCHEMA = "bayescal.families/1"
 

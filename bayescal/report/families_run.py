@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from bayescal.arrays import Array
-from bayescal.comparison.families import FamilyComparison, FamilyRequest, JointModel
+from bayescal.comparison.families.analysis import compare_joint
+from bayescal.comparison.families.results import FamilyComparison, FamilyRequest, JointModel
 from bayescal.errors import InputError
-from bayescal.families.analysis import compare_joint
 from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.stored import pack_sampled, pack_weighted, unpack_weighted

@@ -9,7 +9,7 @@ from functools import lru_cache
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.comparison.families import (
+from bayescal.comparison.families.results import (
     FamilyComparison,
     JointLeaveOneOut,
     JointModel,
@@ -17,9 +17,9 @@ from bayescal.comparison.families import (
 from bayescal.comparison.leave_one_out import paired_difference
 from bayescal.comparison.verdict import percent
 from bayescal.comparison.weak import correlation
-from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.linear.closed_form import ExactPosterior
 from bayescal.points.setup import AXES
 from bayescal.report.grid import Cell, Column, Table, number_cell
 from bayescal.rounding import rounded, significant

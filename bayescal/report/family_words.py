@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from bayescal.comparison.families import FREE, PINHOLE, FamilyComparison, JointModel
+from bayescal.comparison.families.results import FREE, PINHOLE, FamilyComparison, JointModel
 from bayescal.comparison.weak import weak_combinations
 from bayescal.inference.sampled_posterior import SampledPosterior
-from bayescal.models import bivariate
+from bayescal.polynomials import bivariate
 from bayescal.report.family_tables import correlations
 from bayescal.report.noise import shape_words
 from bayescal.report.tables import p_words

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from bayescal.comparison.results import AxisComparison
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import WHOLE_PIXEL, NoiseLevel
-from bayescal.models.noise.model import NoiseModel
-from bayescal.models.noise.outlier_mixture import OutlierMixture
-from bayescal.models.noise.student_t import RATE, SHAPE, StudentT
+from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
+from bayescal.noise.model import NoiseModel
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import RATE, SHAPE, StudentT
+from bayescal.polynomials.axis_data import AxisData
 
 # Beside a number whose evidence should not be trusted.
 MARK = "?"

@@ -18,11 +18,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from bayescal.arrays import Array, frozen
-from bayescal.comparison.families import PINHOLE, FamilyComparison
+from bayescal.cameras.pinhole import ANCHOR, POSE
+from bayescal.comparison.families.results import PINHOLE, FamilyComparison
+from bayescal.density.pinhole import PinholeModel
 from bayescal.errors import InputError
 from bayescal.files import write_whole
-from bayescal.inference.pinhole import PinholeModel
-from bayescal.models.pinhole import ANCHOR, POSE
 from bayescal.points.setup import Setup
 
 LARGEST_ORDER = 3  # k1, k2, k3

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from bayescal.comparison.defence import Prediction
+from bayescal.comparison.defence.defence import Prediction
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import ParameterSummary, Posterior
 from bayescal.report.facts import finite, summary_facts

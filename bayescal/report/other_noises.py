@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bayescal.comparison.noise_evidence import NoiseEvidence, in_words, named
+from bayescal.comparison.defence.noise_evidence import NoiseEvidence, in_words, named
 from bayescal.comparison.results import AxisComparison
 from bayescal.inference.posterior import Posterior
 from bayescal.report.grid import Cell, Column, Table, number_cell

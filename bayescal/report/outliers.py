@@ -10,8 +10,8 @@ from typing import Any
 from rich.console import Group, RenderableType
 from rich.text import Text
 
-from bayescal.comparison.outlier_results import AxisOutliers, OutlierStudy, Treatment
-from bayescal.comparison.outliers import PointRecord
+from bayescal.comparison.outliers.records import PointRecord
+from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
 from bayescal.comparison.verdict import percent
 from bayescal.report.document import provenance
 from bayescal.report.facts import points_facts

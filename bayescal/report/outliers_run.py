@@ -6,20 +6,20 @@ import dataclasses
 from dataclasses import dataclass
 from pathlib import Path
 
-from bayescal.comparison.noise_evidence import model_name
-from bayescal.comparison.outlier_results import OutlierStudy
-from bayescal.comparison.rejection import RejectionRule
+from bayescal.comparison.defence.noise_evidence import model_name
+from bayescal.comparison.outliers.analysis import find_outliers
+from bayescal.comparison.outliers.rejection import RejectionRule
+from bayescal.comparison.outliers.results import OutlierStudy
+from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.inference.stored import pack_sampled
-from bayescal.models.noise.outlier_mixture import OutlierMixture
-from bayescal.models.noise.student_t import StudentT
-from bayescal.outlier_analysis import find_outliers
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import StudentT
 from bayescal.report.agreement import alike
 from bayescal.report.outliers import SCHEMA, outliers_document
 from bayescal.report.run import described, fill_run
 from bayescal.report.run_files import RunFiles
 from bayescal.report.shape import NUMBER
-from bayescal.settings import Settings
 
 DOCUMENT = {
     "provenance": {"command": str, "seed": int},

@@ -9,9 +9,9 @@ import numpy as np
 
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
+from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.posterior import Posterior
-from bayescal.inference.robust_linear import RobustLinearModel
-from bayescal.models.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.report.facts import evidence_facts
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
 from bayescal.report.noise import MARK

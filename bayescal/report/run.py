@@ -19,12 +19,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import bayescal
 from bayescal.files import RESULT, FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import Draws, write_netcdf
-from bayescal.models.linear import AxisData
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.writer import to_csv, to_toml
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.version import __version__
 
 # Rises when an older version could no longer read what a newer one writes.
 FORMAT = 1
@@ -94,7 +94,7 @@ def fill_run(
 def _manifest(points: Correspondences, files: dict[str, str]) -> dict[str, Any]:
     return {
         "format": FORMAT,
-        "bayescal": bayescal.__version__,
+        "bayescal": __version__,
         "files": files,
         # The points' lines in the file they once came from, for messages.
         "lines": None if points.lines is None else list(points.lines),

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Self, TypeVar
 
-import bayescal
+from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.files import RESULT
 from bayescal.inference.arviz_bridge import Draws, parse_netcdf
@@ -22,7 +22,7 @@ from bayescal.points.text import reason
 from bayescal.report.document import versions
 from bayescal.report.run import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
 from bayescal.report.shape import misshapen
-from bayescal.settings import Settings
+from bayescal.version import __version__
 
 Kept = TypeVar("Kept")
 
@@ -74,7 +74,7 @@ class RunFiles:
         if number != FORMAT:
             raise InputError(
                 f"{self.folder}: is a run of format {number}, written by bayescal {writer}; "
-                f"bayescal {bayescal.__version__} reads format {FORMAT}; install bayescal "
+                f"bayescal {__version__} reads format {FORMAT}; install bayescal "
                 f"{writer}, or {self.again}"
             )
         self.content(RESULT)
@@ -131,7 +131,7 @@ class RunFiles:
         if strange:
             raise InputError(
                 f"{self.folder}: was made with the setting {strange[0]!r}, which bayescal "
-                f"{bayescal.__version__} does not have ({self.between()}); upgrade bayescal"
+                f"{__version__} does not have ({self.between()}); upgrade bayescal"
             )
         try:
             return Settings(**stated)

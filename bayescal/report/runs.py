@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from bayescal.comparison.families import FamilyComparison
-from bayescal.comparison.outlier_results import OutlierStudy
+from bayescal.comparison.families.results import FamilyComparison
+from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.comparison.results import Comparison
 from bayescal.errors import InputError
 from bayescal.report.comparison_run import open_comparison, write_comparison

@@ -9,7 +9,7 @@ from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
 from bayescal.inference.posterior import Posterior
-from bayescal.models.noise.gaussian import GAUSSIAN
+from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
 from bayescal.rounding import rounded, significant
 

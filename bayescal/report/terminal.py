@@ -10,8 +10,8 @@ from rich.padding import Padding
 from rich.text import Text
 
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
-from bayescal.models.noise.gaussian import GAUSSIAN
-from bayescal.models.priors import TAU_BOUNDS, PriorRule
+from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.prior.amplitudes import TAU_BOUNDS, PriorRule
 from bayescal.report.noise import level_words, noise_kind, robust_footnotes
 from bayescal.report.render import WIDTH as WIDTH
 from bayescal.report.render import indented, laid_out, listed

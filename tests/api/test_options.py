@@ -8,7 +8,7 @@ import inspect
 import pytest
 
 import bayescal as bc
-from bayescal.settings import Settings
+from bayescal.comparison.settings import Settings
 
 SHARED = {f.name: f.default for f in dataclasses.fields(Settings) if f.name != "defend"}
 TAKING = [

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 import bayescal as bc
-from tests.comparison.cases import camera_points
-from tests.report.command import here
+from tests.helpers.cases import camera_points
+from tests.helpers.command import here
 
 CAMERA = ("--image-width", "1920", "--image-height", "1080")
 

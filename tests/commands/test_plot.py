@@ -11,8 +11,8 @@ import bayescal as bc
 from bayescal.cli import main
 from bayescal.report.figures.registry import FAMILY_KINDS, KINDS
 from bayescal.report.figures.style import figure_bytes
-from tests.comparison.cases import camera_points
-from tests.report.command import apart, environment, here
+from tests.helpers.cases import camera_points
+from tests.helpers.command import apart, environment, here
 
 ORDERS = ("--orders", "1-2", "--ess", "100")
 STARTS = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}

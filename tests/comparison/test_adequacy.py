@@ -12,12 +12,12 @@ import pytest
 import bayescal as bc
 from bayescal.comparison.adequacy.block import adequacy
 from bayescal.comparison.adequacy.outcome import concerns
-from bayescal.comparison.adequacy.replicates import pure_error
-from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.linear import generic_axis
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.linear.least_squares import factorise, solve
+from bayescal.linear.replicates import pure_error
+from bayescal.noise.level import NoiseLevel
+from bayescal.polynomials.axis_data import generic_axis
 from bayescal.report.adequacy import adequacy_rows
-from tests.problems import make_axis, thesis_axis
+from tests.helpers.problems import make_axis, thesis_axis
 
 
 def flat_draws(data, fit, rng, count=4000):

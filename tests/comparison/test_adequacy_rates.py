@@ -23,9 +23,9 @@ from bayescal.comparison.adequacy.outcome import AdequacyTest
 from bayescal.comparison.adequacy.problem import Problem
 from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter
 from bayescal.comparison.adequacy.sequence import runs_test, wald_wolfowitz
-from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.noise.level import NoiseLevel
-from tests.problems import thesis_axis
+from bayescal.linear.least_squares import factorise, solve
+from bayescal.noise.level import NoiseLevel
+from tests.helpers.problems import thesis_axis
 
 LAYOUTS = [("r", 4), ("c", 1)]
 REPEATS = 800
@@ -175,7 +175,7 @@ def test_the_planted_cross_term_is_named_and_measured():
 def test_the_shared_error_is_recovered_on_average():
     """Between and within variances are unbiased (Henderson), truncation at 0 apart."""
     from bayescal.comparison.adequacy.groups import group_effects
-    from bayescal.comparison.adequacy.problem import clusters
+    from bayescal.linear.replicates import clusters
 
     rng = np.random.default_rng(12)
     other, depth = layout("r")

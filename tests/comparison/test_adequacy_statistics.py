@@ -13,12 +13,13 @@ from bayescal.comparison.adequacy.level import chi_squared, whole_pixels
 from bayescal.comparison.adequacy.normality import normality
 from bayescal.comparison.adequacy.null import simulated_residuals
 from bayescal.comparison.adequacy.outcome import holm
-from bayescal.comparison.adequacy.problem import Problem, clusters
-from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter, pure_error
+from bayescal.comparison.adequacy.problem import Problem
+from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter
 from bayescal.comparison.adequacy.sequence import runs_test, wald_wolfowitz
-from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.noise.level import NoiseLevel
-from tests.problems import make_axis
+from bayescal.linear.least_squares import factorise, solve
+from bayescal.linear.replicates import clusters, pure_error
+from bayescal.noise.level import NoiseLevel
+from tests.helpers.problems import make_axis
 
 
 def problem(x, t, order, sd=None, sigma=None) -> Problem:

@@ -10,12 +10,12 @@ import pytest
 import bayescal as bc
 from bayescal.comparison.caveats import caveats
 from bayescal.comparison.results import OrderResult
-from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.posterior import sample_posterior
+from bayescal.linear.closed_form import exact_posterior
 from bayescal.points.notes import point_notes
 from bayescal.points.setup import Setup
-from tests.problems import make_model, thesis_axis
-from tests.wrong_proposals import Misstated
+from tests.helpers.problems import make_model, thesis_axis
+from tests.helpers.wrong_proposals import Misstated
 
 
 @pytest.fixture

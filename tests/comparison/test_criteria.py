@@ -11,10 +11,10 @@ from hypothesis import given
 from scipy import stats
 
 from bayescal.comparison.criteria import criteria
-from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.noise.level import NoiseLevel
-from tests.problems import THESIS_MODELS, legendre_columns, make_axis, thesis_axis
-from tests.strategies import axes, settings_for
+from bayescal.linear.least_squares import factorise, solve
+from bayescal.noise.level import NoiseLevel
+from tests.helpers.problems import THESIS_MODELS, legendre_columns, make_axis, thesis_axis
+from tests.helpers.strategies import axes, settings_for
 
 
 def residuals(data, order):

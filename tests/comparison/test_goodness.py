@@ -9,9 +9,9 @@ import pytest
 from scipy import stats
 
 from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
-from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.noise.level import NoiseLevel
-from tests.problems import make_axis, thesis_axis
+from bayescal.linear.least_squares import factorise, solve
+from bayescal.noise.level import NoiseLevel
+from tests.helpers.problems import make_axis, thesis_axis
 
 AGREE = 1e-10  # relative: scipy's tails are good to some 1e-14, chi2 to 1e-13
 

@@ -14,13 +14,13 @@ from scipy import stats
 
 from bayescal.comparison.leave_one_out import leave_one_out, paired_difference
 from bayescal.inference.arviz_bridge import psis_loo
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.model import LinearModel
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import NoiseLevel
-from bayescal.models.priors import PriorRule
-from tests.comparison.cases import all_but, curve, refitted_evidence
-from tests.problems import STATED_R, THESIS_MODELS, make_axis, make_model, thesis_axis
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.model import LinearModel
+from bayescal.noise.level import NoiseLevel
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.prior.amplitudes import PriorRule
+from tests.helpers.cases import all_but, curve, refitted_evidence
+from tests.helpers.problems import STATED_R, THESIS_MODELS, make_axis, make_model, thesis_axis
 
 # Two quadratures good to 3e-9 nat each, and rounding of log evidences of some 100 nat.
 CLOSE = 1e-8

@@ -14,16 +14,16 @@ from numpy.polynomial.legendre import legval
 from scipy import stats
 
 import bayescal as bc
-from bayescal.comparison.adequacy.replicates import pure_error
 from bayescal.comparison.criteria import criteria
 from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.least_squares import factorise, solve
-from bayescal.inference.model import LinearModel
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.least_squares import factorise, solve
+from bayescal.linear.model import LinearModel
+from bayescal.linear.replicates import pure_error
+from bayescal.noise.level import NoiseLevel
 from bayescal.report.terminal import fit_view, render
-from tests.comparison.cases import HEIGHT, WIDTH, camera_points, printed, result_document
-from tests.problems import field_rule, legendre_columns, make_axis, thesis_axis
+from tests.helpers.cases import HEIGHT, WIDTH, camera_points, printed, result_document
+from tests.helpers.problems import field_rule, legendre_columns, make_axis, thesis_axis
 
 PLACES, REPEATS = 8, 4
 

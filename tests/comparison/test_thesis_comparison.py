@@ -9,8 +9,8 @@ from fractions import Fraction
 import pytest
 
 import bayescal as bc
-from tests.brute_force import normal_grid
-from tests.problems import ORDERS, THESIS_MODELS, make_model, thesis_axis
+from tests.helpers.brute_force import normal_grid
+from tests.helpers.problems import ORDERS, THESIS_MODELS, make_model, thesis_axis
 
 # Sums of squares in px^2 as an independent least-squares fit gives them, to 0.05.
 RSS = {

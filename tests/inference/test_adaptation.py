@@ -7,7 +7,7 @@ import pytest
 
 from bayescal.inference.adaptation import adapt, effective_fraction
 from bayescal.inference.optimum import Mode
-from tests.known_densities import LOG_Z, Banana, HeavyTailed, Normal, Skewed
+from tests.helpers.known_densities import LOG_Z, Banana, HeavyTailed, Normal, Skewed
 
 
 def fraction_and_distance(model, mode, seed):

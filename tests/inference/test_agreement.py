@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 import pytest
 
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.model import LinearModel
 from bayescal.inference.posterior import Posterior, sample_posterior
-from bayescal.models.priors import CoefficientPrior
-from tests.problems import STATED_R, THESIS_MODELS, make_model, thesis_axis
-from tests.wrong_proposals import Misstated
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.model import LinearModel
+from bayescal.prior.amplitudes import CoefficientPrior
+from tests.helpers.problems import STATED_R, THESIS_MODELS, make_model, thesis_axis
+from tests.helpers.wrong_proposals import Misstated
 
 ESS = 4000
 

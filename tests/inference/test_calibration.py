@@ -17,7 +17,7 @@ from numpy.polynomial import Legendre, Polynomial
 from bayescal.inference.posterior import sample_posterior
 from bayescal.inference.target import log_prob
 from scripts.ranks import DRAWS, holm, p_values, ranks
-from tests.problems import make_axis, make_model
+from tests.helpers.problems import make_axis, make_model
 
 SIMULATIONS = 384
 BINS = 16  # of 16 ranks

@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.least_squares import factorise, solve
 from bayescal.inference.target import log_prob
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import SIGMA_BOUNDS
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.least_squares import factorise, solve
+from bayescal.noise.level import SIGMA_BOUNDS
 from bayescal.points.setup import StatedPrior
-from tests.problems import make_axis, make_model
-from tests.strategies import axes, settings_for
+from bayescal.polynomials.axis_data import AxisData
+from tests.helpers.problems import make_axis, make_model
+from tests.helpers.strategies import axes, settings_for
 
 factors = st.sampled_from([1e-6, 0.01, 0.3, 1.0, 7.0, 1e4])
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bayescal.inference.optimum import find_modes
-from tests.known_densities import LOG_Z, HalfSpace, Known, Normal, TwoModes
+from tests.helpers.known_densities import LOG_Z, HalfSpace, Known, Normal, TwoModes
 
 
 @pytest.mark.parametrize("dimension", [1, 2, 6, 12])

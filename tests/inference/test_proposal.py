@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.inference.closed_form import ExactPosterior, exact_posterior
 from bayescal.inference.coordinates import WhitenedProposal, Whitening
-from bayescal.inference.model import LinearModel
 from bayescal.inference.proposal import Hats, LinearProposal, Proposal
-from tests.brute_force import panels
-from tests.problems import STATED_R, make_axis, make_model, thesis_axis
+from bayescal.linear.closed_form import ExactPosterior, exact_posterior
+from bayescal.linear.model import LinearModel
+from tests.helpers.brute_force import panels
+from tests.helpers.problems import STATED_R, make_axis, make_model, thesis_axis
 
 
 @dataclass

@@ -9,10 +9,10 @@ from scipy.stats import chi2, kstest, norm
 from bayescal.comparison.leave_one_out import leave_one_out
 from bayescal.comparison.psis import sampled_leave_one_out
 from bayescal.errors import InputError
-from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.optimum import find_modes
 from bayescal.inference.sampled_posterior import sample_model, shares_differ
-from tests.known_densities import (
+from bayescal.linear.closed_form import exact_posterior
+from tests.helpers.known_densities import (
     LOG_Z,
     Banana,
     HalfSpace,
@@ -22,7 +22,7 @@ from tests.known_densities import (
     TwoModes,
     Wrapped,
 )
-from tests.problems import make_axis, make_model, thesis_axis
+from tests.helpers.problems import make_axis, make_model, thesis_axis
 
 DENSITIES = [
     Normal(2), Normal(6), Normal(12), HeavyTailed(4), Banana(2), Banana(6), HalfSpace(3),

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.inference.closed_form import exact_posterior
 from bayescal.inference.posterior import sample_posterior
 from bayescal.inference.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.target import log_prob
-from tests.brute_force import mixture_cdf, normal_grid
-from tests.problems import STATED_R, THESIS_MODELS, make_axis, make_model, thesis_axis
+from bayescal.linear.closed_form import exact_posterior
+from tests.helpers.brute_force import mixture_cdf, normal_grid
+from tests.helpers.problems import STATED_R, THESIS_MODELS, make_axis, make_model, thesis_axis
 
 ESS = 4000
 

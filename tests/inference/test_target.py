@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.model import LinearModel
 from bayescal.inference.target import log_prob
-from bayescal.models.linear import AxisData
-from tests.problems import (
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.model import LinearModel
+from bayescal.polynomials.axis_data import AxisData
+from tests.helpers.problems import (
     STATED_R,
     THESIS_MODELS,
     legendre_columns,

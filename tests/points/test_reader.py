@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from tests.points.examples import HEADER, rows, text, write
+from tests.helpers.points_files import HEADER, rows, text, write
 
 ROWS = rows()
 

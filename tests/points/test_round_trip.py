@@ -17,7 +17,7 @@ from bayescal.errors import OutputError
 from bayescal.points.camera import StatedCamera
 from bayescal.points.setup import StatedPrior
 from bayescal.points.writer import to_csv, to_toml
-from tests.points.examples import rows
+from tests.helpers.points_files import rows
 
 COORDINATES = st.floats(min_value=-9e99, max_value=9e99)
 PIXELS = st.floats(min_value=-9e8, max_value=9e8)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import bayescal as bc
-from tests.points.examples import write
+from tests.helpers.points_files import write
 
 FULL = """
 [camera]

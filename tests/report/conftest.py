@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.report.command import here
+from tests.helpers.command import here
 
 
 @pytest.fixture(scope="session")

@@ -15,7 +15,7 @@ from jsonschema import Draft202012Validator
 import bayescal as bc
 from bayescal.points.setup import StatedPrior
 from bayescal.report.document import document, dumps, schema
-from tests.points.examples import rows
+from tests.helpers.points_files import rows
 
 NUMBER, TEXT, TRUTH, WHOLE = (int, float), str, bool, int
 NULL = type(None)

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from tests.points.examples import HEADER, rows, text, write
-from tests.report.command import here
+from tests.helpers.command import here
+from tests.helpers.points_files import HEADER, rows, text, write
 
 ROWS = rows(20)
 GOOD = text(ROWS)

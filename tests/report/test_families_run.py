@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.families import FamilyComparison
-from bayescal.families import members
+from bayescal.comparison.families import members
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.camera import StatedCamera
 from bayescal.report.facts import dumps
 from bayescal.report.families_document import families_document, families_schema
-from tests.report.command import here
+from tests.helpers.command import here
 from tests.report.test_spoilt_runs import cut, edit, forge, forged, result
 
 

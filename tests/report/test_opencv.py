@@ -8,10 +8,10 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import main
+from bayescal.density.pinhole_fit import fit_pinhole
 from bayescal.errors import InputError
-from bayescal.inference.pinhole_fit import fit_pinhole
-from bayescal.models.noise.level import NoiseLevel
-from tests.cameras import problem, turned_points
+from bayescal.noise.level import NoiseLevel
+from tests.helpers.cameras import problem, turned_points
 
 FLIP = np.array([1.0, -1.0, 1.0])
 

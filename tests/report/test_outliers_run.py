@@ -13,7 +13,7 @@ from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.report.outliers import outliers_document
 from bayescal.report.outliers_run import open_outliers
 from bayescal.report.run import digest
-from tests.report.command import here
+from tests.helpers.command import here
 
 OPTIONS = ("--axis", "c", "--orders", "1-2", "--ess", "200", "--nu", "4")
 

@@ -13,8 +13,8 @@ import pytest
 
 from bayescal.errors import OutputError
 from bayescal.files import FolderKind, write_folder
-from tests.points.examples import rows, text, write
-from tests.report.command import apart, environment
+from tests.helpers.command import apart, environment
+from tests.helpers.points_files import rows, text, write
 
 SHORT = ("--orders", "1", "--axis", "r", "--ess", "100")
 COMMAND = [sys.executable, "-W", "error", "-m", "bayescal"]

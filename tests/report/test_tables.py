@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from bayescal.report.terminal import WIDTH
-from tests.points.examples import HEADER, rows, text, write
-from tests.report.command import Finished, here
+from tests.helpers.command import Finished, here
+from tests.helpers.points_files import HEADER, rows, text, write
 
 NOT_A_NUMBER = re.compile(r"(?<![a-z])(nan|inf|infinity|none)(?![a-z])", re.IGNORECASE)
 STATED = "[prior.r]\nmean = [960, 0, 0]\nsd = [960, 960, 9]\n" + (

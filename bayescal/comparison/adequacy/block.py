@@ -16,9 +16,9 @@ from bayescal.comparison.adequacy.predictive import posterior_predictive
 from bayescal.comparison.adequacy.problem import Problem
 from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter
 from bayescal.comparison.adequacy.sequence import runs_test
-from bayescal.inference.least_squares import LeastSquaresFit
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.linear.least_squares import LeastSquaresFit
+from bayescal.noise.level import NoiseLevel
+from bayescal.polynomials.axis_data import AxisData
 
 
 def adequacy(

@@ -10,15 +10,8 @@ from scipy.special import fdtrc
 
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy.outcome import AdequacyTest, p_words, untested
-from bayescal.comparison.adequacy.problem import (
-    Extension,
-    Problem,
-    clusters,
-    extension,
-    other_name,
-    scaled,
-)
-from bayescal.comparison.adequacy.replicates import within_cells
+from bayescal.comparison.adequacy.problem import Extension, Problem, extension, other_name, scaled
+from bayescal.linear.replicates import clusters, within_cells
 
 NAME = "other coordinate"
 

@@ -11,7 +11,8 @@ from scipy.special import fdtrc
 from bayescal.arrays import Array, IntArray
 from bayescal.comparison.adequacy.outcome import GROUPS as NAME
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
-from bayescal.comparison.adequacy.problem import NEW_DIRECTION, Problem, clusters
+from bayescal.comparison.adequacy.problem import NEW_DIRECTION, Problem
+from bayescal.linear.replicates import clusters
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from scipy.special import chdtr, chdtrc
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest, p_words, untested
 from bayescal.comparison.adequacy.problem import Problem
-from bayescal.models.noise.level import WHOLE_PIXEL
+from bayescal.noise.level import WHOLE_PIXEL
 
 # At less than twice the floor rounding makes up a quarter of the variance.
 NEAR = 2.0

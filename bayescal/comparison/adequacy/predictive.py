@@ -11,8 +11,9 @@ from scipy.special import fdtrc, fdtri, log_ndtr, ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
-from bayescal.comparison.adequacy.problem import Problem, clusters
+from bayescal.comparison.adequacy.problem import Problem
 from bayescal.comparison.adequacy.sequence import tie_means
+from bayescal.linear.replicates import clusters
 
 NAME = "posterior predictive"
 NUMBERS = 400_000  # standardised residuals over all draws used

@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
-from bayescal.inference.least_squares import LeastSquaresFit
-from bayescal.models.basis import SAME_REGRESSOR, legendre_design
-from bayescal.models.linear import AxisData
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.linear.least_squares import LeastSquaresFit
+from bayescal.noise.level import NoiseLevel
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.basis import legendre_design
 
 # A column that the design explains up to this fraction of its length adds nothing
 # that could be told from rounding.
@@ -204,19 +204,3 @@ def scaled(values: Array) -> Array:
     if high - low <= 1e-12 * max(abs(low), abs(high)):
         return np.zeros(len(values))
     return (values - (low + (high - low) / 2)) / ((high - low) / 2)
-
-
-def clusters(values: Array) -> IntArray:
-    """Give a number to values that are the same to within 1e-9 of their span, from 0."""
-    order = np.argsort(values, kind="stable")
-    ordered = values[order]
-    rounding = 8 * np.finfo(float).eps * float(np.abs(values).max())
-    step = np.diff(ordered) > max(SAME_REGRESSOR * (ordered[-1] - ordered[0]), rounding)
-    numbers = np.empty(len(values), dtype=np.intp)
-    numbers[order] = np.concatenate([[0], np.cumsum(step)])
-    return numbers
-
-
-def renumbered(keys: IntArray) -> IntArray:
-    """Give distinct keys numbers from 0."""
-    return np.unique(keys, return_inverse=True)[1].astype(np.intp)

@@ -10,7 +10,8 @@ from scipy.special import erfc
 from bayescal.arrays import Array, IntArray
 from bayescal.comparison.adequacy.null import simulated_residuals, two_sided
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
-from bayescal.comparison.adequacy.problem import DETERMINED, Problem, clusters
+from bayescal.comparison.adequacy.problem import DETERMINED, Problem
+from bayescal.linear.replicates import clusters
 from bayescal.rounding import counted
 
 NAME = "runs along the regressor"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from bayescal.comparison.outlier_results import AxisOutliers
-from bayescal.comparison.outliers import BAD
+from bayescal.comparison.outliers.records import BAD
+from bayescal.comparison.outliers.results import AxisOutliers
 from bayescal.comparison.verdict import percent
 from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH, styled
 

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.inference.closed_form_density import Densities
+from bayescal.linear.closed_form_density import Densities
 from bayescal.report.figures.parameters import parameter_label
 from bayescal.report.figures.style import BLUE, VERMILLION
 from bayescal.report.figures.subject import Subject

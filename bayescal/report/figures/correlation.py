@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from bayescal.comparison.families import FamilyComparison, JointModel
+from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.errors import InputError
 from bayescal.report.family_tables import correlations
 from bayescal.report.family_words import weak_lines

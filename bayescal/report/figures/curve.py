@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from bayescal.arrays import Array
 from bayescal.inference.posterior import INTERVAL_PROBABILITY
-from bayescal.models.basis import legendre_design
+from bayescal.polynomials.basis import legendre_design
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import ResidualPoints
 from bayescal.report.figures.style import BLACK, BLUE, CYCLE, GREY, MANY_POINTS, SKY, WIDTH, settle

@@ -8,12 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bayescal.comparison.defence.sensitivity import TauSensitivity, tau_sensitivity
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.sensitivity import TauSensitivity, tau_sensitivity
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
 from bayescal.inference.posterior import Posterior
-from bayescal.models.priors import TAU_BOUNDS
+from bayescal.prior.amplitudes import TAU_BOUNDS
 from bayescal.report.figures.style import BLUE, CYCLE, DASHES, GREY, PALE, WIDTH
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import significant

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from bayescal.arrays import Array
+from bayescal.comparison.defence.stability import joint_probabilities
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.stability import joint_probabilities
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
 from bayescal.report.figures.style import BLUE, VERMILLION

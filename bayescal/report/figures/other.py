@@ -9,7 +9,7 @@ from bayescal.comparison.adequacy.coordinate import other_coordinate
 from bayescal.comparison.adequacy.outcome import p_words
 from bayescal.comparison.adequacy.problem import other_name
 from bayescal.errors import InputError
-from bayescal.models.separable import axis_data
+from bayescal.polynomials.separable import axis_data
 from bayescal.report.figures.residual_points import ResidualPoints
 from bayescal.report.figures.residuals import describe, draw_over
 from bayescal.report.figures.subject import Subject

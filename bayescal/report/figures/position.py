@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from scipy.stats import norm
 
 from bayescal.arrays import Array
-from bayescal.comparison.families import FREE, FamilyComparison, JointModel
+from bayescal.comparison.families.results import FREE, FamilyComparison, JointModel
 from bayescal.errors import InputError
-from bayescal.models.camera_prior import PositionPrior, position_prior
+from bayescal.prior.camera import PositionPrior, position_prior
 from bayescal.report.figures.style import BLACK, CYCLE, DASHES, GREY, WIDTH
 from bayescal.rounding import rounded
 

@@ -12,7 +12,7 @@ from bayescal.errors import InputError
 if TYPE_CHECKING:  # the command's help lists the kinds without paying for matplotlib
     from matplotlib.figure import Figure
 
-    from bayescal.comparison.families import FamilyComparison
+    from bayescal.comparison.families.results import FamilyComparison
     from bayescal.comparison.results import Comparison
     from bayescal.report.figures.subject import Subject
 
@@ -218,7 +218,7 @@ def plot(
     InputError
         Where there is no such kind, axis or order, or nothing to draw; says why.
     """
-    from bayescal.comparison.families import FamilyComparison
+    from bayescal.comparison.families.results import FamilyComparison
 
     if isinstance(comparison, FamilyComparison):
         _check_kind(kind, FAMILY_KINDS, "of families")

@@ -9,9 +9,9 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.errors import InputError
-from bayescal.inference.closed_form import ExactPosterior
 from bayescal.inference.posterior import Posterior
-from bayescal.models.basis import Domain, MonomialMap
+from bayescal.linear.closed_form import ExactPosterior
+from bayescal.polynomials.basis import Domain, MonomialMap
 
 
 @dataclass(frozen=True, eq=False)

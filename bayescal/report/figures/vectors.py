@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bayescal.arrays import Array
-from bayescal.comparison.families import FamilyComparison, JointModel
-from bayescal.families.residuals import joint_residuals
+from bayescal.comparison.families.residuals import joint_residuals
+from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.report.figures.image import arrow_scale, draw_arrows, image_spans, key_length
 from bayescal.report.figures.labels import name_points, printable_names
 from bayescal.report.figures.style import GREY, WIDTH, settle

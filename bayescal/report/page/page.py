@@ -10,9 +10,8 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-import bayescal
-from bayescal.comparison.families import FamilyComparison
-from bayescal.comparison.outlier_results import OutlierStudy
+from bayescal.comparison.families.results import FamilyComparison
+from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
 from bayescal.report.document import document
@@ -26,6 +25,7 @@ from bayescal.report.page.sections.provenance import of_documents
 from bayescal.report.page.subject import PageSubject
 from bayescal.report.page.typography import symbol, typeset, visible
 from bayescal.report.terminal import header_lines
+from bayescal.version import __version__
 
 NOT_SOUND = (
     "Not sound: the draws of some models did not converge or disagree with the closed form. See "
@@ -76,7 +76,7 @@ def page_of(
         about=tuple(line[0].upper() + line[1:] + "." for line in lines),
         warning="" if comparison.sound else NOT_SOUND,
         sections=tuple(found),
-        made_by=f"bayescal {bayescal.__version__}, {origin['created']}",
+        made_by=f"bayescal {__version__}, {origin['created']}",
     )
 
 
@@ -128,7 +128,7 @@ def _alone(
         about=(f"{len(found.points)} points from {found.points.source}.",),
         warning="" if found.sound else "Not sound: an evidence should not be trusted.",
         sections=(section, of_documents(documents)),
-        made_by=f"bayescal {bayescal.__version__}, {kept['provenance']['created']}",
+        made_by=f"bayescal {__version__}, {kept['provenance']['created']}",
     )
 
 

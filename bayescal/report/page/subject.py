@@ -11,8 +11,8 @@ from typing import Any
 from matplotlib.figure import Figure
 from PIL import Image
 
-from bayescal.comparison.families import FamilyComparison
-from bayescal.comparison.outlier_results import OutlierStudy
+from bayescal.comparison.families.results import FamilyComparison
+from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import KINDS

@@ -18,8 +18,8 @@ from bayescal.points.setup import StatedPrior
 from bayescal.report.figures.labels import printable_names
 from bayescal.report.figures.registry import KINDS
 from bayescal.report.figures.style import figure_bytes
-from tests.comparison.cases import camera_points
-from tests.report.command import environment
+from tests.helpers.cases import camera_points
+from tests.helpers.command import environment
 
 CJK, EMOJI, REVERSED = "\u6771\u4eac", "\U0001f4f7", "\u202eabc"
 HOSTILE = ("<script>", "$x_{", "a" * 500, CJK, EMOJI, "a&b", "\\frac", REVERSED)
@@ -198,7 +198,7 @@ def test_plot_is_the_kinds_own_drawing(small):
 
 def test_pyplot_knows_nothing_of_it(small):
     code = (
-        "import sys; import bayescal as bc; from tests.comparison.cases import camera_points; "
+        "import sys; import bayescal as bc; from tests.helpers.cases import camera_points; "
         "r = bc.compare(camera_points(9), [1], axis='r', ess=100); bc.plot(r, 'residuals'); "
         "print('matplotlib.pyplot' in sys.modules)"
     )

@@ -12,14 +12,14 @@ from matplotlib.quiver import Quiver
 from scipy.stats import norm
 
 import bayescal as bc
-from bayescal.comparison.families import FamilyComparison
+from bayescal.comparison.families.residuals import joint_residuals
+from bayescal.comparison.families.results import FamilyComparison
+from bayescal.density.pinhole import PinholeModel
 from bayescal.errors import InputError
-from bayescal.families.residuals import joint_residuals
-from bayescal.inference.pinhole import PinholeModel
 from bayescal.report.figures.registry import FAMILY_KINDS
 from bayescal.report.figures.style import figure_bytes
-from tests.cameras import pixels
-from tests.report.command import here
+from tests.helpers.cameras import pixels
+from tests.helpers.command import here
 
 MINUS = "\N{MINUS SIGN}"
 

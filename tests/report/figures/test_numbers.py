@@ -14,16 +14,16 @@ from scipy.special import fdtrc
 import bayescal as bc
 from bayescal.comparison.adequacy.problem import Problem
 from bayescal.comparison.verdict import percent
-from bayescal.inference.closed_form import exact_posterior
-from bayescal.inference.least_squares import factorise, solve
-from bayescal.models.basis import legendre_design
-from bayescal.models.noise.level import NoiseLevel
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.least_squares import factorise, solve
+from bayescal.noise.level import NoiseLevel
+from bayescal.polynomials.basis import legendre_design
 from bayescal.report.figures.qq import envelope
 from bayescal.report.figures.registry import KINDS
 from bayescal.report.figures.style import BLUE, PALE, SKY
 from bayescal.report.figures.subject import amplitudes
-from tests.comparison.cases import camera_points
-from tests.problems import make_axis, make_model, thesis_axis
+from tests.helpers.cases import camera_points
+from tests.helpers.problems import make_axis, make_model, thesis_axis
 
 
 @pytest.fixture(scope="module")

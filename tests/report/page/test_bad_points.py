@@ -11,11 +11,11 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser
 
 import bayescal as bc
-from bayescal.comparison.outlier_results import OutlierStudy
+from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.report.figures import bad_points
 from bayescal.report.outliers import outliers_document
 from bayescal.report.page.page import html, page_of
-from tests.report.command import here
+from tests.helpers.command import here
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser
 
 import bayescal as bc
 from bayescal.report.page.typography import typeset
-from tests.report.command import here
+from tests.helpers.command import here
 from tests.report.page.test_page import read
 
 

@@ -14,7 +14,7 @@ from bayescal.comparison.results import Comparison
 from bayescal.report.document import document
 from bayescal.report.page.page import html, page_of, save_report
 from bayescal.report.page.typography import symbol, typeset, visible
-from tests.points.examples import rows, text, write
+from tests.helpers.points_files import rows, text, write
 
 HOSTILE = (
     "<script>alert(1)</script>",

@@ -11,7 +11,7 @@ import pytest
 
 from bayescal.errors import OutputError
 from bayescal.report.page.pdf import find_browser, print_pdf
-from tests.report.command import here
+from tests.helpers.command import here
 
 CREATED = "2026-01-02T03:04:05+00:00"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bayescal.comparison.outlier_results import AxisOutliers, OutlierStudy
+from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy
 from bayescal.report.figures import bad_points
 from bayescal.report.noise import MARK, shape_words
 from bayescal.report.outliers import footnotes, points_table, treatments_table

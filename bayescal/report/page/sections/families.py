@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bayescal.comparison.families import FamilyComparison, JointModel
+from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
 from bayescal.report.family_tables import listed, models_table, parameters_table

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from bayescal.inference.posterior import Posterior
-from bayescal.models.noise.gaussian import GAUSSIAN
-from bayescal.models.priors import TAU_BOUNDS, PriorRule
+from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.prior.amplitudes import TAU_BOUNDS, PriorRule
 from bayescal.report.page.blocks import Block, Listing, Prose, Section
 from bayescal.report.page.subject import PageSubject
 from bayescal.report.terminal import noise_words

@@ -1,0 +1,1 @@
+"""The camera: lenses, pose and projection."""

@@ -1,0 +1,1 @@
+"""The answers to a referee: prior, other points, other noise, other orders."""

@@ -1,0 +1,255 @@
+"""Would the choice hold with other points? Removals, resamples, orders beyond."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.comparison.evidence import probabilities
+from bayescal.errors import InputError
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.evidence import log_evidences
+from bayescal.linear.least_squares import Factorisation, factorise
+from bayescal.linear.model import LinearModel
+from bayescal.linear.quadrature import COARSE, FINE
+from bayescal.linear.reweighting import Rows
+from bayescal.noise.level import NoiseLevel
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.basis import distinct_values
+from bayescal.prior.amplitudes import PriorRule
+
+RESAMPLES = 1000
+BEYOND = 3
+
+
+@dataclass(frozen=True)
+class Removal:
+    """A point or group without which another order would win.
+
+    Attributes
+    ----------
+    name : str
+        Label of the point, or name of the group.
+    size : int
+        Points removed.
+    order : int
+        The order that wins without them.
+    log_bayes_factor : float
+        ln B of that order against the recommended one, without them.
+    """
+
+    name: str
+    size: int
+    order: int
+    log_bayes_factor: float
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """How often each order wins over resamples of the data.
+
+    Attributes
+    ----------
+    unit : str
+        ``"point"`` or ``"group"``: what is resampled with replacement.
+    resamples : int
+    share : dict of int to float
+        Share of the resamples that each order wins.
+    """
+
+    unit: str
+    resamples: int
+    share: dict[int, float]
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """Orders above the compared range.
+
+    Attributes
+    ----------
+    probability : dict of int to float
+        Of every order, compared and beyond, were all of them candidates.
+    winner : int or None
+        The order beyond that would win; None where none does.
+    orders : tuple of int
+        The orders beyond that were tried.
+    """
+
+    probability: dict[int, float]
+    winner: int | None
+    orders: tuple[int, ...]
+
+
+def removals(
+    names: Sequence[str], sizes: Sequence[int], without: Mapping[int, Array], chosen: int
+) -> tuple[Removal, ...]:
+    """Find the points or groups whose removal changes the winner.
+
+    Parameters
+    ----------
+    names, sizes : sequence
+        Of the points or groups.
+    without : mapping of int to Array
+        By order, log evidence without each of them, ``(n_removed,)``.
+    chosen : int
+        The recommended order.
+
+    Returns
+    -------
+    tuple of Removal
+        Strongest first.
+    """
+    orders = list(without)
+    table = np.array([without[k] for k in orders])
+    best = table.argmax(axis=0)
+    found = [
+        Removal(names[i], sizes[i], orders[best[i]], float(table[best[i], i] - without[chosen][i]))
+        for i in np.flatnonzero(best != orders.index(chosen)).tolist()
+    ]
+    return tuple(sorted(found, key=lambda r: -r.log_bayes_factor))
+
+
+def without_groups(
+    data: AxisData, models: Mapping[int, LinearModel], members: Array
+) -> dict[int, Array]:
+    """Log evidence of every order without each group.
+
+    Parameters
+    ----------
+    data : AxisData
+    models : mapping of int to LinearModel
+    members : Array
+        1 where a point belongs to a group, ``(n_groups, n_points)``.
+
+    Returns
+    -------
+    dict of int to Array
+        ``(n_groups,)`` by order.
+    """
+    sets = Rows.of(data, max(models)).without(members)
+    left = [distinct_values(data.x[row == 0]) if (row == 0).any() else 0 for row in members]
+    return {
+        k: np.full(len(members), np.nan)
+        if not model.prior.proper and min(left) < model.size
+        else log_evidences(sets.reduced(k), model.noise, model.prior, FINE)
+        for k, model in models.items()
+    }
+
+
+def bootstrap(
+    data: AxisData,
+    models: Mapping[int, LinearModel],
+    rng: np.random.Generator,
+    members: Array | None = None,
+    resamples: int = RESAMPLES,
+    known: Mapping[int, float] | None = None,
+) -> Bootstrap:
+    """Resample points or groups and count which order wins.
+
+    Domain and prior stay those of the full data.
+
+    Parameters
+    ----------
+    data : AxisData
+    models : mapping of int to LinearModel
+        With a proper prior.
+    rng : numpy.random.Generator
+    members : Array, optional
+        1 where a point belongs to a group, ``(n_groups, n_points)``; points are
+        resampled one by one without it.
+    resamples : int, optional
+    known : mapping of int to float, optional
+        The shares, from an earlier run of the same. The resamples are drawn all the same, so
+        that what comes after has the same random numbers.
+    """
+    unit = "point" if members is None else "group"
+    units = len(data) if members is None else len(members)
+    drawn = rng.multinomial(units, np.full(units, 1 / units), size=resamples).astype(float)
+    if known is not None:
+        return Bootstrap(unit, resamples, dict(known))
+    counts = drawn if members is None else drawn @ members
+    sets = Rows.of(data, max(models)).counted(counts)
+    table = np.array(
+        [
+            log_evidences(sets.reduced(k), model.noise, model.prior, COARSE)
+            for k, model in models.items()
+        ]
+    )
+    wins = np.bincount(table.argmax(axis=0), minlength=len(models)) / resamples
+    return Bootstrap(
+        unit,
+        resamples,
+        {k: float(share) for k, share in zip(models, wins, strict=True)},
+    )
+
+
+def beyond(
+    data: AxisData,
+    log_evidence: Mapping[int, float],
+    noise: NoiseLevel,
+    rule: PriorRule,
+) -> Beyond:
+    """Ask whether up to three orders above the compared range would win.
+
+    Parameters
+    ----------
+    data : AxisData
+    log_evidence : mapping of int to float
+        Of the orders compared.
+    noise : NoiseLevel
+    rule : PriorRule
+    """
+    more, factors = orders_beyond(data, max(log_evidence), rule)
+    evidence = dict(log_evidence)
+    if factors is not None:
+        for k in more:
+            model = LinearModel(factors, k, noise, rule.of_order(k), data.symbol)
+            evidence[k] = exact_posterior(model).log_integral
+    return beyond_of(evidence, more)
+
+
+def orders_beyond(
+    data: AxisData, highest: int, rule: PriorRule
+) -> tuple[tuple[int, ...], Factorisation | None]:
+    """Find the orders above the compared range that these points determine, up to three.
+
+    Returns
+    -------
+    orders : tuple of int
+    factors : Factorisation or None
+        At the highest of them; None where there is none.
+    """
+    limit = min(distinct_values(data.x), len(data)) - 1
+    if rule.stated is not None and rule.name == "stated":
+        limit = min(limit, len(rule.stated.mean) - 1)
+    more = range(highest + 1, min(highest + BEYOND, limit) + 1)
+    while more:
+        try:
+            return tuple(more), factorise(data, more[-1])
+        except InputError:  # these points don't determine it
+            more = more[:-1]
+    return (), None
+
+
+def beyond_of(log_evidence: Mapping[int, float], more: tuple[int, ...]) -> Beyond:
+    """Say which order wins with the orders beyond compared too.
+
+    Parameters
+    ----------
+    log_evidence : mapping of int to float
+        Of every order, compared and beyond.
+    more : tuple of int
+        Those beyond.
+    """
+    chance = dict(zip(log_evidence, probabilities(list(log_evidence.values())), strict=True))
+    best = max(chance, key=lambda k: (chance[k], -k))
+    return Beyond(chance, best if best in more else None, more)
+
+
+def joint_probabilities(first: Mapping[int, float], second: Mapping[int, float]) -> Array:
+    """Probability of every pair of orders of two independent axes, ``(n_first, n_second)``."""
+    return np.outer(list(first.values()), list(second.values()))

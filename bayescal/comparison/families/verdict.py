@@ -1,0 +1,124 @@
+"""Probabilities of joint models and the verdict across families."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from scipy.special import logsumexp
+
+from bayescal.comparison.evidence import PLAUSIBLE, strength
+from bayescal.comparison.families.results import FREE, FamilyVerdict, JointModel, ModelName
+from bayescal.comparison.verdict import percent
+
+
+def model_probabilities(models: Sequence[JointModel]) -> list[float]:
+    """Posterior probabilities: families equal, within one its positions, within these orders.
+
+    A family does not become more probable by offering more orders.
+    """
+    logs = _log_weights(models)
+    top = max(logs)
+    odds = [math.exp(value - top) for value in logs]
+    total = math.fsum(odds)
+    return [o / total for o in odds]
+
+
+def _log_weights(models: Sequence[JointModel]) -> list[float]:
+    """Log evidence of each model times its prior probability within its family."""
+    logs = []
+    for model in models:
+        name = model.name
+        same = [m.name for m in models if m.name.family == name.family]
+        positions = len({n.position for n in same})
+        orders = sum(n.position == name.position for n in same)
+        logs.append(model.log_evidence - math.log(positions * orders))
+    return logs
+
+
+def _between_families(models: Sequence[JointModel], families: dict[str, float]) -> str:
+    """Say how probable each family is; nothing where there is one.
+
+    The evidence of a family is that of its models, averaged over its positions and orders: the
+    best of many models against the best of few would favour the many.
+    """
+    if len(families) < 2:
+        return ""
+    by_family: dict[str, list[float]] = {}
+    for model, weight in zip(models, _log_weights(models), strict=True):
+        by_family.setdefault(model.name.family, []).append(weight)
+    logs = {family: float(logsumexp(weights)) for family, weights in by_family.items()}
+    ranked = sorted(logs, key=lambda family: -logs[family])
+    first, second = ranked[:2]
+    factor = logs[first] - logs[second]
+    shares = ", ".join(f"{family} {percent(families[family])}" for family in ranked)
+    return (
+        f" Between families, positions and orders averaged: {shares}; 2 ln B of {first} against "
+        f"{second} = {2 * factor:.1f}, {strength(factor)} (Kass & Raftery)."
+    )
+
+
+def judge_families(
+    models: Sequence[JointModel], chances: Sequence[float], caveats: Sequence[str]
+) -> FamilyVerdict:
+    """Form the verdict across families.
+
+    Parameters
+    ----------
+    models : sequence of JointModel
+        The most probable first.
+    chances : sequence of float
+    caveats : sequence of str
+    """
+    best = models[0]
+    plausible: list[ModelName] = []
+    total = 0.0
+    for model, chance in zip(models, chances, strict=True):
+        plausible.append(model.name)
+        total += chance
+        if total >= PLAUSIBLE:
+            break
+    families, positions = (_shares(models, chances, key) for key in ("family", "position"))
+    others = [m for m in models if m.name.family != best.name.family]
+    factor = None
+    if others:
+        rival = max(others, key=lambda m: m.log_evidence)
+        factor = best.log_evidence - rival.log_evidence
+    text = f"{_sentence(best.name)} is the most probable model, {percent(chances[0])}; "
+    if len(plausible) == 1:
+        text += "decided at 95%."
+    else:
+        rest = "; ".join(f"{n} ({percent(chances[i])})" for i, n in enumerate(plausible[:5]) if i)
+        more = f" and {len(plausible) - 5} more" if len(plausible) > 5 else ""
+        text += f"not decided: {rest}{more} can't be excluded at 95%."
+    text += _between_families(models, families)
+    # Where each family has a position of its own, it says nothing that the family does not.
+    if len({(m.name.family, m.name.position) for m in models}) > len(families):
+        free = positions.get(FREE, 0.0)
+        text += (
+            f" Summed over families and orders, a free camera position has {percent(free)}, the "
+            f"stated one {percent(1 - free)}."
+        )
+    return FamilyVerdict(
+        best.name,
+        tuple(plausible),
+        len(plausible) == 1,
+        families,
+        positions,
+        factor,
+        tuple(caveats),
+        text,
+    )
+
+
+def _sentence(name: ModelName) -> str:
+    words = str(name)
+    return words[0].upper() + words[1:]
+
+
+def _shares(models: Sequence[JointModel], chances: Sequence[float], key: str) -> dict[str, float]:
+    out: dict[str, float] = {}
+    for model, chance in zip(models, chances, strict=True):
+        value = getattr(model.name, key)
+        out[value] = out.get(value, 0.0) + chance
+    return out

@@ -1,0 +1,1 @@
+"""Bad points: rejection, records of points, and whether they choose the order."""

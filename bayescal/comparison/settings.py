@@ -1,0 +1,254 @@
+"""What the user decides beside the data, and what follows from it for an axis."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import numbers
+from collections.abc import Iterable
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.errors import InputError
+from bayescal.linear.effective_variance import with_effective_deviations
+from bayescal.linear.replicates import pure_error
+from bayescal.noise.choice import TYPICAL_SIZE, NoiseChoice
+from bayescal.noise.level import SPAN_BOUNDS, NoiseLevel
+from bayescal.noise.model import NoiseModel
+from bayescal.points.setup import LARGEST_PX, SMALLEST_PX, StatedPrior
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.prior.amplitudes import PriorRule
+from bayescal.rounding import significant
+
+DEFAULT_ORDERS = range(1, 6)
+DEFAULT_ESS = 4000
+HIGHEST_ORDER = 20
+# chi-squared beyond which rounding of the likelihood is felt.
+LARGEST_CHI2 = 1e12
+# What a known sigma may be, as a share of the span of y where y is not a pixel.
+KNOWN_SHARE = (1e-12, 1e9)
+SIGMA_WORDS = ("inferred", "replicates", "scale")
+
+
+@dataclasses.dataclass(frozen=True)
+class Settings:
+    """What the user decides beside the data. The public functions take these as keywords.
+
+    Attributes
+    ----------
+    sigma : float or str, optional
+        Noise level: a known number of px; ``"inferred"``; ``"replicates"``: from their
+        spread; ``"scale"``: the points' own deviations times an inferred factor. By
+        default the points' own deviations where they have them, else inferred.
+    prior : str, optional
+        ``"field"``, ``"flat"`` or ``"stated"``; by default the setup's own where it
+        states one, else field.
+    tau : float, optional
+        Fixes the strength of the non-linearity of the field prior, as a fraction of the
+        image; by default it is inferred.
+    seed : int, optional
+        Of all randomness.
+    ess : int, optional
+        Effective samples wanted of every parameter.
+    defend : bool, optional
+        Also answer a referee: leave-one-out, sensitivity to the prior, stability under
+        removal and resampling of points, orders beyond the range (some seconds more).
+    noise : str, optional
+        ``"gaussian"``, ``"student-t"`` (heavy tails) or ``"outlier-mixture"`` (good and
+        bad points); the latter two are sampled without a closed form, which takes longer.
+    nu : float, optional
+        Fixes the degrees of freedom of Student-t noise; by default they are inferred.
+    bad_offset : bool, optional
+        Infer an offset of the mixture's bad points; by default it is zero.
+
+    Raises
+    ------
+    InputError
+        Where a setting is not usable.
+    """
+
+    sigma: float | str | None = None
+    prior: str | None = None
+    tau: float | None = None
+    seed: int = 0
+    ess: int = DEFAULT_ESS
+    defend: bool = False
+    noise: str = "gaussian"
+    nu: float | None = None
+    bad_offset: bool = False
+
+    def __post_init__(self) -> None:
+        # Plain numbers, whatever numpy's or int they come as: a run writes them down.
+        for name in ("sigma", "tau", "nu"):
+            if isinstance(value := getattr(self, name), numbers.Real):
+                object.__setattr__(self, name, float(value))
+        for name in ("seed", "ess"):
+            if isinstance(value := getattr(self, name), numbers.Integral):
+                object.__setattr__(self, name, int(value))
+        if isinstance(self.sigma, str) and self.sigma not in SIGMA_WORDS:
+            raise InputError(
+                f"sigma must be {', '.join(SIGMA_WORDS)} or a number of px, not {self.sigma!r}"
+            )
+        if not 100 <= self.ess <= 1_000_000:
+            raise InputError(f"ess must be from 100 to 1000000, not {self.ess}")
+        if self.seed < 0:
+            raise InputError(f"seed must not be negative, but is {self.seed}")
+        if self.choice.robust and self.prior == "flat":
+            raise InputError(
+                f"{self.noise} noise needs a proper prior, under which an evidence exists; take "
+                "the prior field or state one"
+            )
+
+    @property
+    def choice(self) -> NoiseChoice:
+        """The noise model wanted, with its options."""
+        return NoiseChoice(self.noise, self.nu, self.bad_offset)
+
+    def noise_model(self, data: AxisData) -> NoiseModel:
+        """Make the noise model of an axis."""
+        return self.choice.model(data.size / TYPICAL_SIZE if data.axis == "y" else 1.0)
+
+
+def checked_orders(orders: Iterable[int], lowest: int = 1) -> tuple[int, ...]:
+    """Sort the orders wanted and refuse those out of range.
+
+    Raises
+    ------
+    InputError
+        Where there is none, or one is not from `lowest` to 20.
+    """
+    wanted = tuple(sorted({int(k) for k in orders}))
+    if not wanted:
+        raise InputError("no order is given; give at least one, such as 1-5")
+    if wanted[0] < lowest or wanted[-1] > HIGHEST_ORDER:
+        bad = wanted[0] if wanted[0] < lowest else wanted[-1]
+        raise InputError(f"order {bad} is out of range; orders go from {lowest} to {HIGHEST_ORDER}")
+    return wanted
+
+
+def noise_level(
+    data: AxisData, settings: Settings, other: Array | None, order: int
+) -> tuple[AxisData, NoiseLevel, str]:
+    """Choose the noise level of an axis.
+
+    Parameters
+    ----------
+    data : AxisData
+    settings : Settings
+    other : Array or None
+        The other axis's regressor, which replicates must share too.
+    order : int
+        The highest compared: its slope carries errors of world coordinates to pixels.
+
+    Returns
+    -------
+    data : AxisData
+        With deviations only where they are used.
+    level : NoiseLevel
+    source : str
+        How the level was chosen, in words.
+
+    Raises
+    ------
+    InputError
+        Where the level asked for can't be had from these data.
+    """
+    pixels, level, source = _pixel_noise(data, settings, other)
+    if settings.choice.robust and data.axis != "y":
+        level = level.on_readings(pixels.t, pixels.sd)
+    if data.x_sd is None or not data.x_sd.any():
+        return pixels, level, source
+    if level.source == "inferred":
+        raise InputError(
+            f"{data.source}: axis {data.axis}: errors of the world coordinates need the noise of "
+            f"the pixels beside them; add --sigma PX or a column sigma_{data.axis}"
+        )
+    alone = pixels.sd if pixels.sd is not None else np.full(len(data), level.value)
+    combined = with_effective_deviations(pixels, alone, order)
+    source += "; with the errors of the world coordinates, as effective variances"
+    if level.source != "scale":
+        return combined, NoiseLevel.known(1.0), source
+    scale = NoiseLevel.scale()
+    if settings.choice.robust:
+        scale = scale.on_readings(combined.t, combined.sd)
+    return combined, scale, source
+
+
+def _pixel_noise(
+    data: AxisData, settings: Settings, other: Array | None
+) -> tuple[AxisData, NoiseLevel, str]:
+    """Noise level of the pixels alone."""
+    wanted, has_own = settings.sigma, data.sd is not None
+    if wanted == "scale":
+        if not has_own:
+            raise InputError(
+                f"{data.source}: axis {data.axis}: sigma scale needs deviations to scale; add a "
+                f"column sigma_{data.axis}"
+            )
+        return data, NoiseLevel.scale(), "the points' own deviations times an inferred scale"
+    if wanted is None and has_own:
+        return data, NoiseLevel.known(1.0), "known per point, from the data"
+    ignored = "; the points' own deviations are not used, as asked" if has_own else ""
+    data = dataclasses.replace(data, sd=None)
+    if wanted == "replicates":
+        pure, dof = pure_error(data.x, other, data.t)
+        if not pure:
+            why = "do not differ" if dof else "don't exist: no two points share every regressor"
+            raise InputError(
+                f"{data.source}: axis {data.axis}: sigma can't come from replicates, which {why}; "
+                "state --sigma or leave it inferred"
+            )
+        words = f"{significant(pure, 3)} px, from replicates ({dof} dof), taken as known{ignored}"
+        return data, NoiseLevel.replicates(pure, dof), words
+    if isinstance(wanted, numbers.Real):
+        _check_known(data, float(wanted))
+        return data, NoiseLevel.known(float(wanted)), f"known, {wanted:g} px{ignored}"
+    if data.axis == "y":
+        level = NoiseLevel.inferred((SPAN_BOUNDS[0] * data.size, SPAN_BOUNDS[1] * data.size))
+    else:
+        level = NoiseLevel.inferred()
+    return data, level, f"inferred{ignored}"
+
+
+def _check_known(data: AxisData, sigma: float) -> None:
+    """Refuse a sigma from which no double tells the residuals, or that dwarfs all pixels."""
+    low, high = SMALLEST_PX, LARGEST_PX
+    if data.axis == "y":
+        low, high = (data.size * share for share in KNOWN_SHARE)
+    if not low <= sigma <= high:
+        unit = "" if data.axis == "y" else " px"
+        raise InputError(f"sigma must be from {low:.3g} to {high:.3g}{unit}, not {sigma:g}")
+
+
+def check_resolved(where: str, noise: NoiseLevel, rss: float, n: int, order: int) -> None:
+    """Refuse deviations so far below the residuals that rounding hides the likelihood.
+
+    Parameters
+    ----------
+    where : str
+        The data and their axis, for the message.
+    noise : NoiseLevel
+    rss : float
+        Weighted sum of squares of the highest order, of `n` points.
+    n, order : int
+
+    Raises
+    ------
+    InputError
+        Where chi-squared of the highest order is above 1e12.
+    """
+    if noise.value is not None and rss / noise.value**2 > LARGEST_CHI2:
+        times = math.sqrt(rss / n) / noise.value
+        raise InputError(
+            f"{where}: the known deviations are {times:.0e} times smaller "
+            f"than the residuals of order {order}: no double tells such likelihoods apart; "
+            "check their unit"
+        )
+
+
+def prior_rule(data: AxisData, settings: Settings, stated: StatedPrior | None) -> PriorRule:
+    """Choose the prior of an axis: as asked, else as the setup states, else field."""
+    default = "stated" if stated is not None and settings.tau is None else "field"
+    centre = data.size / 2 if data.size_known else float(data.t.min() + np.ptp(data.t) / 2)
+    return PriorRule(settings.prior or default, data.size, centre, settings.tau, stated)

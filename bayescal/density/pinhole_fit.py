@@ -1,0 +1,276 @@
+"""Maximum likelihood of a pinhole by non-linear least squares (thesis eq. 30-32).
+
+scipy's Levenberg-Marquardt (MINPACK) from linear starts, so that no guess is asked for;
+where the noise levels are inferred, each axis is weighted by the level its residuals have.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from bayescal.arrays import Array, frozen
+from bayescal.cameras.direct_linear import FLAT, direct_linear, flatness, rotation_vector
+from bayescal.cameras.pinhole import POSE, PinholeGeometry
+from bayescal.errors import InputError
+from bayescal.noise.level import NoiseLevel
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import AXES
+from bayescal.prior.camera import PinholePrior
+
+LOG_2PI = math.log(2 * math.pi)
+# A climb that takes more creeps along a valley, of a lens that folds its image for one.
+MOST_ROUNDS, MOST_EVALUATIONS = 30, 200
+TOLERANCE = 1e-12  # of the log likelihood, relative
+# ln L by which a mirrored world must fit better to say that an axis is mirrored.
+MIRRORED = 10.0
+BEHIND = 1e8  # residual of a point without an image, in sigmas
+
+
+@dataclass(frozen=True, eq=False)
+class JointData:
+    """Pixels of both axes with what is known of their noise.
+
+    Attributes
+    ----------
+    pixels : Array
+        r and c, ``(2, n_points)``, px.
+    sd : tuple
+        Known deviations of each axis, ``(n_points,)``, px, or None.
+    levels : tuple of NoiseLevel
+        Of r and of c.
+    """
+
+    pixels: Array
+    sd: tuple[Array | None, Array | None]
+    levels: tuple[NoiseLevel, NoiseLevel]
+
+    @property
+    def n(self) -> int:
+        """Number of points."""
+        return len(self.pixels[0])
+
+    @property
+    def deviations(self) -> Array:
+        """Known deviations, ``(2, n_points)``; 1 where sigma is one for all points."""
+        return np.stack([np.ones(self.n) if sd is None else sd for sd in self.sd])
+
+    @property
+    def inferred(self) -> tuple[bool, bool]:
+        """Whether each axis's sigma is inferred."""
+        return self.levels[0].value is None, self.levels[1].value is None
+
+    def log_likelihood(self, rss: Array) -> float:
+        """Maximised over sigma where it is inferred; `rss` of each axis, weighted, ``(2,)``."""
+        total = -float(np.log(self.deviations).sum()) - self.n * LOG_2PI
+        for level, q in zip(self.levels, rss.tolist(), strict=True):
+            if level.value is None:
+                total -= self.n / 2 * (math.log(max(q, 1e-300) / self.n) + 1)
+            else:
+                total -= q / level.value**2 / 2 + self.n * math.log(level.value)
+        return total
+
+    def bounded_sigma(self, rss: Array) -> Array:
+        """Sigma of each axis: known, or most probable within its bounds; `rss` ``(2,)``."""
+        found = []
+        for level, q in zip(self.levels, rss.tolist(), strict=True):
+            if level.bounds is None:
+                found.append(level.value)
+            else:
+                found.append(min(max(math.sqrt(q / self.n), level.bounds[0]), level.bounds[1]))
+        return np.array(found)
+
+    def bounded_log_likelihood(self, rss: Array) -> float:
+        """Maximised over sigma within its bounds, which residuals of no noise would leave."""
+        sigma = self.bounded_sigma(rss)
+        constant = -float(np.log(self.deviations).sum()) - self.n * LOG_2PI
+        return constant - float((rss / sigma**2 / 2 + self.n * np.log(sigma)).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class PinholeFit:
+    """A pinhole's maximum likelihood.
+
+    Attributes
+    ----------
+    free : Array
+        Free coordinates, ``(dimension,)``.
+    residuals : Array
+        Measured less predicted, ``(2, n_points)``, px.
+    rss : Array
+        Weighted sum of squares of each axis, ``(2,)``.
+    sigma : Array
+        Noise level of each axis there, ``(2,)``.
+    log_likelihood : float
+        Maximised, with every constant.
+    covariance : Array
+        Of the free coordinates, at these noise levels, ``(dimension, dimension)``.
+    """
+
+    free: Array
+    residuals: Array
+    rss: Array
+    sigma: Array
+    log_likelihood: float
+    covariance: Array
+
+
+def fit_pinhole(
+    points: Correspondences, geometry: PinholeGeometry, prior: PinholePrior, data: JointData
+) -> PinholeFit:
+    """Fit a pinhole to pixels.
+
+    Parameters
+    ----------
+    points : Correspondences
+        For messages.
+    geometry : PinholeGeometry
+    prior : PinholePrior
+        Says where a start may be taken from; not part of the likelihood.
+    data : JointData
+
+    Returns
+    -------
+    PinholeFit
+
+    Raises
+    ------
+    InputError
+        Where the points are too few or coplanar, lie behind the camera that fits best, or
+        are the image of a mirrored world.
+    """
+    _check_determined(points, geometry)
+    fits = [f for s in _starts(geometry, prior, data) if (f := _climb(geometry, data, s))]
+    if not fits:
+        raise InputError(
+            f"{points.source}: no pinhole has these points in front of it; check the camera "
+            "position and orientation of the setup, and whether z points forward"
+        )
+    best = max(fits, key=lambda f: f.log_likelihood)
+    _check_handedness(points, geometry, prior, data, best)
+    return best
+
+
+def _check_determined(points: Correspondences, geometry: PinholeGeometry) -> None:
+    n, p = len(points), geometry.dimension
+    if 2 * n < p + 2:
+        raise InputError(
+            f"{points.source}: a pinhole of order {geometry.order} has {p} parameters for "
+            f"{2 * n} pixel values; it needs {(p + 3) // 2} points at least"
+        )
+    if geometry.fixed is None and flatness(points.world) < FLAT:
+        raise InputError(
+            f"{points.source}: the points lie in one plane, from which pose and focal length "
+            "can't be told apart; add points off the plane, or hold the position: --position stated"
+        )
+
+
+def _starts(geometry: PinholeGeometry, prior: PinholePrior, data: JointData) -> list[Array]:
+    """Start from the linear camera, and from the prior's pose with its best optics."""
+    out = []
+    camera = direct_linear(geometry.world, data.pixels.T)
+    if camera is not None and not camera.mirrored:
+        theta = np.zeros((1, POSE + geometry.order))
+        theta[0, :2], theta[0, 2:4] = np.log(camera.focal), camera.centre
+        theta[0, 4:7] = rotation_vector(camera.rotation @ geometry.orientation.T)
+        position = camera.position if geometry.fixed is None else geometry.fixed
+        out.append(geometry.to_anchor(theta, position))
+    theta = np.zeros((1, POSE + geometry.order))
+    local = (geometry.world - prior.position.mean) @ geometry.orientation.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        image = local[:, :2] / local[:, 2:]
+    if (local[:, 2] > 0).all():
+        for i in (0, 1):
+            slope, centre = np.polynomial.polynomial.polyfit(image[:, i], data.pixels[i], 1)[::-1]
+            theta[0, i] = math.log(slope) if slope > 0 else math.log(prior.focal)
+            theta[0, 2 + i] = centre
+        out.append(geometry.to_anchor(theta, prior.position.mean))
+    return [geometry.free(t)[0] for t in out if np.isfinite(t).all()]
+
+
+def _climb(geometry: PinholeGeometry, data: JointData, start: Array) -> PinholeFit | None:
+    """Climb the likelihood, the axes weighted by their levels until these settle."""
+    deviations, n = data.deviations, data.n
+    sigma = np.array([1.0 if level.value is None else level.value for level in data.levels])
+    free, last = start, -math.inf
+    for _ in range(MOST_ROUNDS):
+        weight = 1 / (sigma[:, None] * deviations)
+        free = _minimise(geometry, data.pixels, weight, free)
+        pixels, depth = geometry.project(geometry.full(free[None]))
+        if not (depth > 0).all():
+            return None
+        residuals = data.pixels - pixels[0]
+        rss = ((residuals / deviations) ** 2).sum(axis=1)
+        likelihood = data.log_likelihood(rss)
+        sigma = np.array(
+            [
+                math.sqrt(max(q, 1e-300) / n) if level.value is None else level.value
+                for level, q in zip(data.levels, rss.tolist(), strict=True)
+            ]
+        )
+        if likelihood - last <= TOLERANCE * abs(likelihood):
+            break
+        last = likelihood
+    jacobian = geometry.jacobian(free) / (sigma[:, None] * deviations)[:, :, None]
+    return PinholeFit(
+        frozen(free),
+        frozen(residuals),
+        frozen(rss),
+        frozen(sigma),
+        likelihood,
+        frozen(_inverse_gram(jacobian.reshape(-1, geometry.dimension))),
+    )
+
+
+def _minimise(geometry: PinholeGeometry, t: Array, weight: Array, start: Array) -> Array:
+    def residuals(free: Array) -> Array:
+        with np.errstate(all="ignore"):
+            pixels, depth = geometry.project(geometry.full(free[None]))
+            misfit = np.where(depth > 0, (pixels[0] - t) * weight, BEHIND)
+        return np.nan_to_num(misfit, nan=BEHIND, posinf=BEHIND, neginf=-BEHIND).ravel()
+
+    def jacobian(free: Array) -> Array:
+        with np.errstate(all="ignore"):
+            slopes = geometry.jacobian(free) * weight[:, :, None]
+        return np.nan_to_num(slopes, posinf=0.0, neginf=0.0).reshape(-1, geometry.dimension)
+
+    found = least_squares(
+        residuals, start, jacobian, method="lm", x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14,
+        max_nfev=MOST_EVALUATIONS,
+    )  # fmt: skip
+    return np.asarray(found.x)
+
+
+def _inverse_gram(jacobian: Array) -> Array:
+    """(J'J)^-1 by the singular values of J with its columns scaled to unit length."""
+    norms = np.linalg.norm(jacobian, axis=0)
+    norms[norms == 0] = 1
+    _, d, vt = np.linalg.svd(jacobian / norms, full_matrices=False)
+    d = np.maximum(d, np.finfo(float).eps * d[0])
+    root = vt.T / d / norms[:, None]
+    return np.asarray(root @ root.T)
+
+
+def _check_handedness(
+    points: Correspondences,
+    geometry: PinholeGeometry,
+    prior: PinholePrior,
+    data: JointData,
+    best: PinholeFit,
+) -> None:
+    """Refuse an image that no rotation makes, but one of the mirrored world does."""
+    camera = direct_linear(geometry.world, data.pixels.T)
+    if camera is None or not camera.mirrored:
+        return
+    mirrored = JointData(np.array([[1.0], [-1.0]]) * data.pixels, data.sd, data.levels)
+    fits = [f for s in _starts(geometry, prior, mirrored) if (f := _climb(geometry, mirrored, s))]
+    gain = max((f.log_likelihood for f in fits), default=-math.inf) - best.log_likelihood
+    if gain > MIRRORED:
+        raise InputError(
+            f"{points.source}: the pixels are those of a mirrored world (ln L higher by {gain:.0f} "
+            f"with {AXES[1]} turned over): count c from the other end (c_from_bottom), swap or "
+            "negate a world axis, or swap the columns r and c"
+        )

@@ -1,0 +1,1 @@
+"""Linear Gaussian models: least squares, evidence and posterior in closed form."""

@@ -1,0 +1,184 @@
+"""Densities of reported parameters in closed form, to lay over the draws.
+
+Given sigma and tau the coefficients are normal; the posterior is a mixture over the
+quadrature's nodes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.linear.closed_form import ExactPosterior
+
+# Nodes that hold less than this probability, shared among all, can't be seen.
+UNSEEN = 1e-5
+REACH = 4.5  # standard deviations, shown on either side of a coefficient's mean
+PLACES = 61
+BLOCK = 8
+LARGEST_CORRELATION = 1 - 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Joint density of two parameters over a mesh.
+
+    Attributes
+    ----------
+    x, y : Array
+        Values of the two parameters, ``(n_rows, n_columns)``, px; tau as log10.
+    density : Array
+        ``(n_rows, n_columns)``, per unit of both.
+    mass : Array
+        Probability around each place, ``(n_rows, n_columns)``.
+    """
+
+    x: Array
+    y: Array
+    density: Array
+    mass: Array
+
+    def thresholds(self, probabilities: tuple[float, ...]) -> list[float]:
+        """Densities above which lies so much probability, ascending density."""
+        order = np.argsort(-self.density, axis=None)
+        enclosed = np.cumsum(self.mass.ravel()[order])
+        found = [
+            self.density.ravel()[order[np.searchsorted(enclosed, p).clip(max=len(order) - 1)]]
+            for p in probabilities
+        ]
+        return sorted(float(value) for value in found)
+
+
+class Densities:
+    """Densities of a posterior's reported parameters.
+
+    Parameters
+    ----------
+    exact : ExactPosterior
+    """
+
+    def __init__(self, exact: ExactPosterior) -> None:
+        model = exact.model
+        self._size, self._names = model.size, model.names
+        self._mean, self._sd = exact.summary
+        self._rows = model.factors.monomials.lead(model.order)
+        self._prior_mean = model.prior.mean
+        # Values of sigma and log10 tau at the nodes, and node widths in them.
+        sigma, tau = exact.sigma, exact.tau_rule.nodes / np.log(10)
+        self._nodes = {exact.model.noise.parameter: sigma, "tau": tau}
+        self._widths = {
+            exact.model.noise.parameter: exact.sigma_rule.weights * sigma,
+            "tau": exact.tau_rule.weights / np.log(10),
+        }
+        self._weights = exact.weights  # (n_tau, n_sigma)
+        mean, variance = exact.conditional.moments(exact.sigma**2)  # (n_tau, n_sigma, p)
+        self._a_mean, self._a_variance = mean, variance
+        self._to_b = exact.conditional.to_b
+
+    def marginal(self, name: str) -> tuple[Array, Array]:
+        """Give places and density of one parameter, ``(n_places,)`` each; tau as log10."""
+        if name in self._nodes and name in self._names:
+            mass = self._weights.sum(axis=self._axis(name))
+            return self._nodes[name], mass / self._widths[name]
+        j = self._names.index(name)
+        x = self._mean[j] + self._sd[j] * np.linspace(-REACH, REACH, PLACES)
+        weights, means, variances = self._heavy([j])
+        z = (x[:, None] - means[:, 0]) / np.sqrt(variances[:, 0, 0])
+        density = np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi * variances[:, 0, 0]) @ weights
+        return x, density
+
+    def joint(self, first: str, second: str) -> Surface:
+        """Joint density of two parameters, the first in x.
+
+        Parameters
+        ----------
+        first, second : str
+            Reported names, in their order.
+        """
+        if second not in self._nodes:
+            return self._two_coefficients(*(self._names.index(n) for n in (first, second)))
+        if first not in self._nodes:
+            return self._with_node(self._names.index(first), second)
+        (sigma, tau), mass = (self._nodes[n] for n in (first, second)), self._weights
+        area = np.outer(self._widths[second], self._widths[first])
+        x, y = np.meshgrid(sigma, tau)
+        return Surface(x, y, mass / area, mass)
+
+    def _axis(self, name: str) -> int:
+        """Axis of the weights that `name` does not run along."""
+        return 1 if name == "tau" else 0
+
+    def _moments(self, rows: list[int]) -> tuple[Array, Array]:
+        """Mean and covariance of some coefficients at every node."""
+        lead = self._rows[rows]
+        maps = np.einsum("kp,tpq->tkq", lead, self._to_b)
+        means = lead @ self._prior_mean + np.einsum("tkq,tsq->tsk", maps, self._a_mean)
+        covariances = np.einsum("tkq,tlq,tsq->tskl", maps, maps, self._a_variance)
+        return means, covariances
+
+    def _heavy(self, rows: list[int]) -> tuple[Array, Array, Array]:
+        """Weights, means and covariances of some coefficients as a smaller mixture.
+
+        `BLOCK` neighbouring nodes of sigma, which hardly differ, become one normal of
+        the same mean and covariance: a tenth of the time, nothing that can be seen.
+        """
+        seen = self._weights.sum(axis=0) > UNSEEN / self._weights.shape[1]
+        means, covariances = (part[:, seen] for part in self._moments(rows))
+        weights = self._weights[:, seen]
+        starts = np.arange(0, weights.shape[1], BLOCK)
+        total = np.add.reduceat(weights, starts, axis=1)
+        some = total > UNSEEN / total.size
+        total = np.where(total > 0, total, 1.0)
+        mean = np.add.reduceat(weights[..., None] * means, starts, axis=1) / total[..., None]
+        shift = means - np.repeat(mean, np.diff(np.append(starts, weights.shape[1])), axis=1)
+        spread = covariances + shift[..., :, None] * shift[..., None, :]
+        covariance = np.add.reduceat(weights[..., None, None] * spread, starts, axis=1)
+        return total[some], mean[some], (covariance / total[..., None, None])[some]
+
+    def _two_coefficients(self, i: int, j: int) -> Surface:
+        """Over a mesh along the posterior's own axes, however narrow it is."""
+        weights, means, covariances = self._heavy([i, j])
+        mean = weights @ means / weights.sum()
+        centred = means - mean
+        total = np.einsum("k,kab->ab", weights, covariances)
+        total = (total + (weights[:, None] * centred).T @ centred) / weights.sum()
+        sd = np.sqrt(np.diag(total))
+        rho = np.clip(total[0, 1] / sd.prod(), -LARGEST_CORRELATION, LARGEST_CORRELATION)
+        u, v = np.meshgrid(*[np.linspace(-REACH, REACH, PLACES)] * 2)
+        dx, dy = sd[0] * u, sd[1] * (rho * u + np.sqrt(1 - rho**2) * v)
+        density = np.zeros_like(u)
+        for weight, shift, covariance in zip(weights, centred, covariances, strict=True):
+            s = np.sqrt(np.diag(covariance))
+            r = np.clip(covariance[0, 1] / s.prod(), -LARGEST_CORRELATION, LARGEST_CORRELATION)
+            a, b = (dx - shift[0]) / s[0], (dy - shift[1]) / s[1]
+            spare = 1 - r**2
+            density += (
+                weight
+                / (2 * np.pi * s.prod() * np.sqrt(spare))
+                * np.exp(-(a**2 + ((b - r * a) ** 2) / spare) / 2)
+            )
+        step = (2 * REACH / (PLACES - 1)) ** 2
+        return Surface(
+            mean[0] + dx,
+            mean[1] + dy,
+            density,
+            density * step * sd.prod() * np.sqrt(1 - rho**2),
+        )
+
+    def _with_node(self, i: int, name: str) -> Surface:
+        """Lay a coefficient along x, sigma or tau along y."""
+        means, covariances = (part[..., 0] for part in self._moments([i]))
+        variances = covariances[..., 0]
+        if name != "tau":  # nodes of the parameter first
+            weights, means, variances = (part.T for part in (self._weights, means, variances))
+        else:
+            weights = self._weights
+        x = self._mean[i] + self._sd[i] * np.linspace(-REACH, REACH, PLACES)
+        z = (x - means[..., None]) / np.sqrt(variances)[..., None]
+        normal = np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi * variances)[..., None]
+        mass_per_x = np.einsum("no,nox->nx", weights, normal)
+        mesh_x, mesh_y = np.meshgrid(x, self._nodes[name])
+        density = mass_per_x / self._widths[name][:, None]
+        return Surface(mesh_x, mesh_y, density, mass_per_x * (x[1] - x[0]))

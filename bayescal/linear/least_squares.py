@@ -1,0 +1,213 @@
+"""One orthogonal factorisation serves all orders of a nested linear family."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from bayescal.arrays import Array, frozen
+from bayescal.errors import InputError
+from bayescal.linear.evidence import Reduced
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.basis import PolynomialMap
+
+# Condition number of the columns, scaled to unit length, beyond which they are dependent.
+LARGEST_CONDITION = 1e15
+
+
+@dataclass(frozen=True, eq=False)
+class Factorisation:
+    """QR factorisation of the weighted [design | pixels] at the highest order.
+
+    The leading block of R and of Q't belongs to every lower order, whose residual
+    sum of squares adds the squares of the dropped entries of Q't (Golub & Van Loan,
+    Matrix Computations, 5.3.3). After this nothing touches the points again.
+
+    Attributes
+    ----------
+    r : Array
+        Upper triangle R, ``(n_coefficients, n_coefficients)``, per px of weight.
+    qt : Array
+        Q't, ``(n_coefficients,)``.
+    tail : float
+        Residual norm beyond the highest order.
+    n : int
+        Number of points.
+    largest : float
+        Largest weighted pixel in size: the scale of rounding.
+    log_sd : float
+        Sum of ln sd over the points with known deviations; 0 without them.
+    monomials : PolynomialMap
+        From Legendre amplitudes to monomial coefficients.
+    """
+
+    r: Array
+    qt: Array
+    tail: float
+    n: int
+    largest: float
+    log_sd: float
+    monomials: PolynomialMap
+
+    def rss(self, order: int) -> float:
+        """Weighted residual sum of squares of an order."""
+        dropped = np.append(self.qt[self.monomials.columns(order) :], self.tail)
+        return float(dropped @ dropped)
+
+    def reduced(self, order: int) -> Reduced:
+        """R, Q't and residual sum of squares of an order: leading blocks."""
+        size = self.monomials.columns(order)
+        return Reduced(
+            self.r[:size, :size],
+            self.qt[:size],
+            np.array(self.rss(order)),
+            np.array(float(self.n)),
+            np.array(self.log_sd),
+        )
+
+    def exact_fit(self, order: int) -> bool:
+        """Whether the residuals are rounding: RSS below n (64 eps max|t|)^2."""
+        return only_rounding(self.rss(order), self.n, self.largest)
+
+
+def only_rounding(rss: float, n: int, largest: float) -> bool:
+    """Whether a residual sum of squares is rounding: below n (64 eps max|t|)^2.
+
+    Parameters
+    ----------
+    rss : float
+        Weighted as the pixels are.
+    n : int
+        Number of points.
+    largest : float
+        Largest weighted pixel in size.
+    """
+    return rss <= n * (64 * float(np.finfo(float).eps) * largest) ** 2
+
+
+def factorise(data: AxisData, order: int) -> Factorisation:
+    """Factorise the weighted [design | pixels] of an axis.
+
+    Parameters
+    ----------
+    data : AxisData
+    order : int
+        Highest order wanted.
+
+    Raises
+    ------
+    InputError
+        Where the points can't determine that order.
+    """
+    data.check(order)
+    augmented = np.column_stack([data.design(order), data.t])
+    log_sd = 0.0
+    if data.sd is not None:
+        augmented /= data.sd[:, None]
+        log_sd = float(np.log(data.sd).sum())
+    triangle = np.linalg.qr(augmented, mode="r")
+    size = data.columns(order)
+    _check_determined(data, triangle[:size, :size], order)
+    tail = float(abs(triangle[size, size])) if len(data) > size else 0.0
+    return Factorisation(
+        frozen(triangle[:size, :size]),
+        frozen(triangle[:size, size]),
+        tail,
+        len(data),
+        float(np.abs(augmented[:, -1]).max()),
+        log_sd,
+        data.monomials(order),
+    )
+
+
+def _check_determined(data: AxisData, triangle: Array, order: int) -> None:
+    """Refuse columns that depend on one another to rounding, as of one regressor far away."""
+    scaled = triangle / np.linalg.norm(triangle, axis=0)
+    if np.linalg.cond(scaled) < LARGEST_CONDITION:
+        return
+    works = order - 1
+    while works and _condition(scaled, data.columns(works)) >= LARGEST_CONDITION:
+        works -= 1
+    raise InputError(
+        f"{data.source}: axis {data.axis}: the values of {data.regressor} leave order "
+        f"{order} undetermined to rounding (does one lie far from all others?); the "
+        f"highest order that works is {works}"
+    )
+
+
+def _condition(triangle: Array, size: int) -> float:
+    return float(np.linalg.cond(triangle[:size, :size]))
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquaresFit:
+    """Maximum-likelihood coefficients of one order.
+
+    Attributes
+    ----------
+    order : int
+    coefficients : Array
+        Monomial coefficients, lowest powers first, ``(p,)``, px.
+    standard_errors : Array or None
+        Their standard errors at `sigma_hat` (or at the known deviations),
+        ``(p,)``, px; None where no degree of freedom is left.
+    amplitudes : Array
+        Legendre amplitudes b_j, ``(p,)``, px.
+    rss : float
+        Residual sum of squares, px^2 (with known deviations: dimensionless).
+    dof : int
+        n - p.
+    sigma_hat : float or None
+        sqrt(rss / dof), px; None where dof is 0.
+    exact : bool
+        Whether the residuals are rounding only.
+    """
+
+    order: int
+    coefficients: Array
+    standard_errors: Array | None
+    amplitudes: Array
+    rss: float
+    dof: int
+    sigma_hat: float | None
+    exact: bool
+
+
+def solve(factors: Factorisation, order: int, sigma: float | None = None) -> LeastSquaresFit:
+    """Least-squares coefficients of one order, in amplitudes and in monomials.
+
+    Parameters
+    ----------
+    factors : Factorisation
+    order : int
+        Up to the factorised one.
+    sigma : float, optional
+        Known noise level for the standard errors (1 with known deviations);
+        by default `sigma_hat` of the fit.
+
+    Returns
+    -------
+    LeastSquaresFit
+    """
+    data = factors.reduced(order)
+    amplitudes = solve_triangular(data.r, data.qt)
+    rss = factors.rss(order)
+    dof = factors.n - len(amplitudes)
+    sigma_hat = float(np.sqrt(rss / dof)) if dof > 0 else None
+    scale = sigma if sigma is not None else sigma_hat
+    errors = None
+    if scale is not None:
+        inverse = solve_triangular(data.r, np.eye(len(amplitudes)))
+        errors = frozen(scale * np.linalg.norm(factors.monomials.apply(inverse), axis=1))
+    return LeastSquaresFit(
+        order,
+        frozen(factors.monomials.apply(amplitudes)),
+        errors,
+        frozen(amplitudes),
+        rss,
+        dof,
+        sigma_hat,
+        factors.exact_fit(order),
+    )

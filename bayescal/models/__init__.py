@@ -1,1 +1,0 @@
-"""What predicts a pixel and with what likelihood: bases, families, noise, priors."""

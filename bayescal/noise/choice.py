@@ -1,0 +1,68 @@
+"""The noise models that can be asked for: one line each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bayescal.errors import InputError
+from bayescal.noise.gaussian import Gaussian
+from bayescal.noise.model import NoiseModel
+from bayescal.noise.outlier_mixture import WIDTH_BOUNDS, OutlierMixture
+from bayescal.noise.student_t import StudentT
+
+# Where y is no pixel, its span over this stands for one, as in the bounds of sigma.
+TYPICAL_SIZE = 1920.0
+
+
+@dataclass(frozen=True)
+class NoiseChoice:
+    """Which noise model the user wants, with its options.
+
+    Attributes
+    ----------
+    name : str
+    nu : float or None
+        Fixes the degrees of freedom of Student-t noise; None: inferred.
+    bad_offset : bool
+        Whether the mixture's bad points have an offset, inferred; else it is zero.
+    """
+
+    name: str = "gaussian"
+    nu: float | None = None
+    bad_offset: bool = False
+
+    def __post_init__(self) -> None:
+        if self.name not in NOISE_MODELS:
+            raise InputError(f"noise must be {', '.join(NOISE_MODELS)}, not {self.name!r}")
+        if self.nu is not None and self.name != "student-t":
+            raise InputError(f"nu belongs to student-t noise; the noise here is {self.name}")
+        if self.bad_offset and self.name != "outlier-mixture":
+            raise InputError(
+                f"a bad offset belongs to outlier-mixture noise; the noise here is {self.name}"
+            )
+        self.model(1.0)  # refuse options that the model can't have
+
+    @property
+    def robust(self) -> bool:
+        """Whether there is no closed form, so that the evidence is sampled."""
+        return self.name != "gaussian"
+
+    def model(self, unit: float) -> NoiseModel:
+        """Make the noise model.
+
+        Parameters
+        ----------
+        unit : float
+            What stands for a pixel: 1 on an image; for a generic y its span over TYPICAL_SIZE.
+        """
+        return NOISE_MODELS[self.name](self, unit)
+
+
+NOISE_MODELS: dict[str, Callable[[NoiseChoice, float], NoiseModel]] = {
+    "gaussian": lambda _choice, _unit: Gaussian(),
+    "student-t": lambda choice, _unit: StudentT(choice.nu),
+    "outlier-mixture": lambda choice, unit: OutlierMixture(
+        (WIDTH_BOUNDS[0] * unit, WIDTH_BOUNDS[1] * unit), choice.bad_offset
+    ),
+}

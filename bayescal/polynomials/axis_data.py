@@ -1,0 +1,204 @@
+"""A pixel axis explained by nested linear models: what every linear family hands on."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array, frozen
+from bayescal.errors import InputError
+from bayescal.polynomials.basis import (
+    Domain,
+    MonomialMap,
+    PolynomialMap,
+    distinct_values,
+    legendre_design,
+)
+from bayescal.polynomials.plane import PlaneMap, plane_columns, plane_design, powers
+from bayescal.rounding import counted
+
+# Powers of ten that a product of two such numbers must leave room for.
+DECADES = 60
+
+
+@dataclass(frozen=True, eq=False)
+class AxisData:
+    """One pixel axis as a polynomial regression problem.
+
+    Attributes
+    ----------
+    axis : str
+        ``"r"``, ``"c"``, or ``"y"`` for a generic problem.
+    regressor : str
+        What the polynomial is a function of: ``"x/z"``, ``"y/z"``, ``"x"``.
+    symbol : str
+        Name of the coefficients: ``"alpha"`` for r, ``"beta"`` for c.
+    x : Array
+        Regressor values, ``(n_points,)``.
+    t : Array
+        Measured pixels, ``(n_points,)``, px.
+    sd : Array or None
+        Known standard deviations per point, ``(n_points,)``, px.
+    labels : tuple of str
+        A name per point.
+    size : float
+        Image size along the axis, or the span of t where it is not known, px.
+    size_known : bool
+        Whether `size` is an image size.
+    source : str
+        Where the points came from, for messages.
+    x_sd : Array or None
+        Standard deviations of the regressor, ``(n_points,)``, where the world
+        coordinates have errors.
+    other : Array or None
+        The other regressor, ``(n_points,)``, where the polynomial is one of both.
+    frame : tuple of Domain or None
+        Domains of the basis where they are not those of these points: the basis stays
+        when the camera moves.
+    """
+
+    axis: str
+    regressor: str
+    symbol: str
+    x: Array
+    t: Array
+    sd: Array | None
+    labels: tuple[str, ...]
+    size: float
+    size_known: bool
+    source: str
+    x_sd: Array | None = None
+    other: Array | None = None
+    frame: tuple[Domain, ...] | None = None
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    @property
+    def domain(self) -> Domain:
+        """Interval of the regressor that the basis is scaled to."""
+        return Domain.of(self.x) if self.frame is None else self.frame[0]
+
+    @property
+    def across(self) -> Domain:
+        """The same of the other regressor."""
+        assert self.other is not None, "the polynomial is one of a single regressor"
+        return Domain.of(self.other) if self.frame is None else self.frame[1]
+
+    def columns(self, order: int) -> int:
+        """Count the coefficients of an order."""
+        return order + 1 if self.other is None else plane_columns(order)
+
+    def degrees(self, order: int) -> tuple[int, ...]:
+        """Total degree of every coefficient of an order."""
+        if self.other is None:
+            return tuple(range(order + 1))
+        return tuple(i + j for i, j in powers(order))
+
+    def design(self, order: int) -> Array:
+        """Design matrix of an order in its Legendre basis, ``(n_points, columns)``."""
+        s = self.domain.scale(self.x)
+        if self.other is None:
+            return legendre_design(s, order)
+        return plane_design(s, self.across.scale(self.other), order)
+
+    def monomials(self, order: int) -> PolynomialMap:
+        """From the basis's amplitudes to the coefficients that are reported."""
+        if self.other is None:
+            return MonomialMap(self.domain, order)
+        return PlaneMap(self.domain, self.across, order)
+
+    def check(self, order: int) -> None:
+        """Refuse an order that these points can't determine.
+
+        Raises
+        ------
+        InputError
+            With the highest order that still works.
+        """
+        if self.other is None:
+            self._check_line(order)
+        else:
+            self._check_plane(order)
+
+    def _check_plane(self, order: int) -> None:
+        p, works = plane_columns(order), 0
+        while plane_columns(works + 1) <= len(self):
+            works += 1
+        if len(self) < p:
+            advice = f"the highest order that works is {works}" if works else "add points"
+            raise InputError(
+                f"{self.source}: axis {self.axis}: order {order} in {self.regressor} has {p} "
+                f"coefficients for {counted(len(self), 'point')}; {advice}"
+            )
+
+    def _check_line(self, order: int) -> None:
+        where = f"{self.source}: axis {self.axis}"
+        widest = max(abs(self.domain.lower), abs(self.domain.upper))
+        half = self.domain.half_range
+        # Coefficients reach size * (widest / half)^order / half^order.
+        if half > 0 and not (
+            order * abs(math.log10(half)) < DECADES
+            and order * max(math.log10(widest / half), 0) < DECADES
+            and abs(math.log10(self.size)) < DECADES
+        ):
+            raise InputError(
+                f"{where}: {self.regressor} spans {2 * half:.3g} and the pixels {self.size:.3g}: "
+                f"coefficients of order {order} are beyond every double; use other units"
+            )
+        values = distinct_values(self.x)
+        works = min(values, len(self)) - 1
+        advice = (
+            f"the highest order that works is {works}"
+            if works >= 1
+            else "no order works; add points"
+        )
+        if len(self) < order + 1:
+            raise InputError(
+                f"{where}: order {order} has {order + 1} coefficients for "
+                f"{counted(len(self), 'point')}; {advice}"
+            )
+        if values < order + 1:
+            raise InputError(
+                f"{where}: {self.regressor} takes {counted(values, 'distinct value')}, "
+                f"order {order} needs {order + 1}; {advice}"
+            )
+
+
+def generic_axis(x: Array, y: Array, sd: Array | None = None, source: str = "x and y") -> AxisData:
+    """Set up a generic one-axis problem: y as a polynomial of x.
+
+    The span of y stands for the image size.
+
+    Parameters
+    ----------
+    x, y : Array
+        ``(n_points,)``; y in whatever unit it has.
+    sd : Array, optional
+        Known standard deviations of y, ``(n_points,)``.
+    source : str, optional
+        Where the numbers came from, for messages.
+
+    Raises
+    ------
+    InputError
+        Where shapes disagree or a number is not finite.
+    """
+    x, y = frozen(x), frozen(y)
+    if x.ndim != 1 or x.shape != y.shape or len(x) == 0:
+        raise InputError(f"x and y must be one-dimensional alike, not {x.shape} and {y.shape}")
+    if sd is not None:
+        sd = frozen(np.broadcast_to(sd, y.shape))
+        if not ((sd > 0) & np.isfinite(sd)).all():
+            raise InputError("standard deviations must be positive and finite")
+    if not (np.isfinite(x).all() and np.isfinite(y).all()):
+        raise InputError("x and y must be finite")
+    labels = tuple(str(i + 1) for i in range(len(x)))
+    return AxisData("y", "x", "beta", x, y, sd, labels, pixel_span(y), False, source)
+
+
+def pixel_span(t: Array) -> float:
+    """Span of the pixels, px; 1 where they are all the same."""
+    return float(t.max() - t.min()) or 1.0

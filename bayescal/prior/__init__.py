@@ -1,0 +1,1 @@
+"""Priors: of amplitudes in pixels, of the camera, of scales."""

@@ -1,0 +1,1 @@
+"""The thesis's own procedure, reproduced: models, elimination, tables, document and figures."""
