@@ -1,0 +1,284 @@
+r"""Lenses that move points of the undistorted plane: radial, tangential, thin-prism terms.
+
+With a = x/z, b = y/z, w^2 = a^2 + b^2 and t = w^2 (t = w for the thesis's plain powers)
+
+    g = (1 + k1 t + k2 t^2 + ...) / (1 + k4 t + k5 t^2 + ...),
+    u = a g + 2 p1 a b + p2 (w^2 + 2 a^2) + s1 w^2 + s2 w^4,
+    v = b g + p1 (w^2 + 2 b^2) + 2 p2 a b + s3 w^2 + s4 w^4:
+
+Brown 1966 (Photogrammetric Engineering 32, 444), in the form and order of OpenCV. Only points in
+front of the camera are seen, as far out as w g grows and before its pole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayescal.arrays import Array
+from bayescal.cameras.lenses.inverse import invert
+from bayescal.cameras.lenses.lens import RESIDUAL, Derivatives, Undistorted, columns, first_root
+
+_MOST_STEPS, _MOST_HALVINGS = 40, 30
+
+
+@dataclass(frozen=True)
+class Planar:
+    """A lens of the undistorted plane.
+
+    Attributes
+    ----------
+    name : str
+    numerator, denominator : int
+        Number of radial coefficients above and below the line.
+    tangential, prism : bool
+        Whether p1, p2 and s1 .. s4 are among the coefficients.
+    step : int
+        Power of the radius in t: 2, or 1 for the thesis's powers.
+    """
+
+    name: str
+    numerator: int
+    denominator: int = 0
+    tangential: bool = False
+    prism: bool = False
+    step: int = 2
+
+    @property
+    def _kinds(self) -> tuple[tuple[str, str, int], ...]:
+        """Name, group and power of each coefficient, in OpenCV's order."""
+        total = self.numerator + self.denominator
+        # k4 is the first below the line, however many stand above it, as in OpenCV.
+        first = 4 if self.denominator else self.numerator + 1
+        labels = [*range(1, self.numerator + 1), *range(first, first + self.denominator)]
+        degrees = [*range(1, self.numerator + 1), *range(1, self.denominator + 1)]
+        radial = [(f"k{labels[j]}", "radial", 1 + self.step * degrees[j]) for j in range(total)]
+        tangential = [(name, "tangential", 2) for name in ("p1", "p2")] * self.tangential
+        powers = zip(("s1", "s2", "s3", "s4"), (2, 4, 2, 4), strict=True)
+        prism = [(name, "thin-prism", power) for name, power in powers] * self.prism
+        before = min(2, self.numerator)
+        return (*radial[:before], *tangential, *radial[before:], *prism)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the coefficients."""
+        return tuple(kind[0] for kind in self._kinds)
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        """Of each coefficient."""
+        return tuple(kind[1] for kind in self._kinds)
+
+    @property
+    def powers(self) -> tuple[int, ...]:
+        """Power of the radius with which each displacement grows."""
+        return tuple(kind[2] for kind in self._kinds)
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """No distortion."""
+        return (0.0,) * len(self._kinds)
+
+    @property
+    def bounds(self) -> tuple[tuple[float, float], ...]:
+        """None."""
+        return ((-np.inf, np.inf),) * len(self._kinds)
+
+    def _at(self, group: str) -> list[int]:
+        return [j for j, kind in enumerate(self._kinds) if kind[1] == group]
+
+    def _radial(self, k: Array) -> tuple[Array, Array]:
+        """Coefficients above and below the line, ``(..., numerator)``, ``(..., denominator)``."""
+        radial = k[..., self._at("radial")]
+        return radial[..., : self.numerator], radial[..., self.numerator :]
+
+    def distort(self, rays: Array, k: Array) -> Array:
+        """Plane coordinates, ``(..., n, 2)``."""
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            a, b = rays[..., 0] / rays[..., 2], rays[..., 1] / rays[..., 2]
+            square = a**2 + b**2
+            above, below = self._radial(k)
+            t = square if self.step == 2 else np.sqrt(square)
+            gain = _horner(above, t)
+            if self.denominator:
+                gain = gain / _horner(below, t)
+            u, v = a * gain, b * gain
+            if self.tangential:
+                p1, p2 = _each(k, self._at("tangential"))
+                cross = 2 * a * b
+                u = u + p1 * cross + p2 * (square + 2 * a**2)
+                v = v + p1 * (square + 2 * b**2) + p2 * cross
+            if self.prism:
+                s1, s2, s3, s4 = _each(k, self._at("thin-prism"))
+                u, v = u + square * (s1 + s2 * square), v + square * (s3 + s4 * square)
+            return columns(u, v)
+
+    def jacobian(self, rays: Array, k: Array) -> Derivatives:
+        """Plane coordinates with derivatives by ray and by coefficient."""
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            inverse = 1 / rays[..., 2]
+            a, b = rays[..., 0] * inverse, rays[..., 1] * inverse
+            plane, by_plane, by_coefficient = self._plane_jacobian(a, b, k)
+            by_ray = np.empty((*by_plane.shape[:-1], 3))
+            by_ray[..., :2] = by_plane * inverse[..., None, None]
+            by_ray[..., 2] = -(by_ray[..., 0] * a[..., None] + by_ray[..., 1] * b[..., None])
+        return Derivatives(plane, by_ray, by_coefficient)
+
+    def _plane_jacobian(self, a: Array, b: Array, k: Array) -> tuple[Array, Array, Array]:
+        """Plane coordinates, derivatives by a and b, ``(..., n, 2, 2)``, and by coefficients."""
+        square = a**2 + b**2
+        above, below = self._radial(k)
+        t = square if self.step == 2 else np.sqrt(square)
+        over = 1 / _horner(below, t)
+        gain = _horner(above, t) * over
+        rise = (_horner_slope(above, t) - gain * _horner_slope(below, t)) * over  # dg/dt
+        # dg/da is a times this.
+        bend = 2 * rise if self.step == 2 else np.where(t == 0, 0, rise / np.where(t == 0, 1, t))
+        shape = gain.shape
+        by_plane, by_k = np.empty((*shape, 2, 2)), np.zeros((*shape, 2, k.shape[-1]))
+        u, v = a * gain, b * gain
+        u_a, u_b, v_b = gain + a**2 * bend, a * b * bend, gain + b**2 * bend
+        v_a = u_b
+        power, radial = over, self._at("radial")
+        for i in range(max(self.numerator, self.denominator)):
+            power = power * t
+            for j, factor in ((i, 1.0), (self.numerator + i, -gain)):
+                if (i < self.numerator) if j == i else (i < self.denominator):
+                    by_k[..., 0, radial[j]] = a * power * factor
+                    by_k[..., 1, radial[j]] = b * power * factor
+        if self.tangential:
+            p1, p2 = _each(k, self._at("tangential"))
+            cross, wide, tall = 2 * a * b, square + 2 * a**2, square + 2 * b**2
+            u, v = u + p1 * cross + p2 * wide, v + p1 * tall + p2 * cross
+            lean = 2 * (p1 * a + p2 * b)
+            u_a, u_b = u_a + 2 * p1 * b + 6 * p2 * a, u_b + lean
+            v_a, v_b = v_a + lean, v_b + 6 * p1 * b + 2 * p2 * a
+            first, second = self._at("tangential")
+            by_k[..., 0, first], by_k[..., 1, first] = cross, tall
+            by_k[..., 0, second], by_k[..., 1, second] = wide, cross
+        if self.prism:
+            s1, s2, s3, s4 = _each(k, self._at("thin-prism"))
+            u, v = u + square * (s1 + s2 * square), v + square * (s3 + s4 * square)
+            steep_u, steep_v = 2 * (s1 + 2 * s2 * square), 2 * (s3 + 2 * s4 * square)
+            u_a, u_b = u_a + a * steep_u, u_b + b * steep_u
+            v_a, v_b = v_a + a * steep_v, v_b + b * steep_v
+            for i, j in enumerate(self._at("thin-prism")):
+                by_k[..., i // 2, j] = square if i % 2 == 0 else square**2
+        by_plane[..., 0, 0], by_plane[..., 0, 1] = u_a, u_b
+        by_plane[..., 1, 0], by_plane[..., 1, 1] = v_a, v_b
+        return columns(u, v), by_plane, by_k
+
+    def _edge(self, k: Array) -> Array:
+        """Radius w of the undistorted plane up to which w g grows, ``(...)``; inf if always."""
+        above, below = (_with_one(part) for part in self._radial(k))
+        degrees = [self.step * np.arange(part.shape[-1]) for part in (above, below)]
+        # The slope's numerator: (N + w N') D - N w D', in t.
+        slope = _product(above * (1 + degrees[0]), below) - _product(above, below * degrees[1])
+        first = np.minimum(first_root(slope[..., 1:]), first_root(below[..., 1:]))
+        return np.asarray(first ** (1 / self.step))
+
+    def limit(self, k: Array) -> Array:
+        """Angle up to which the radius in the image grows, ``(...)``, rad; at most pi/2."""
+        return np.asarray(np.arctan(self._edge(k)))
+
+    def seen(self, rays: Array, k: Array) -> NDArray[np.bool_]:
+        """Whether rays are in front of the camera and inside `limit`, ``(..., n)``."""
+        radius, depth = np.hypot(rays[..., 0], rays[..., 1]), rays[..., 2]
+        edge = self._edge(k)[..., None]
+        finite = np.where(np.isfinite(edge), edge, 0)
+        return np.asarray((depth > 0) & (np.isinf(edge) | (radius < finite * depth)))
+
+    def undistort(self, plane: Array, k: Array) -> Undistorted:
+        """Rays of plane coordinates: the radial part in a bracket, the rest by Newton's method."""
+        u, v = plane[..., 0], plane[..., 1]
+        above, below = self._radial(k)
+        edge = self._edge(k)[..., None]
+
+        def curve(w: Array) -> tuple[Array, Array]:
+            t = w**self.step
+            over = 1 / _horner(below, t)
+            gain = _horner(above, t) * over
+            rise = (_horner_slope(above, t) - gain * _horner_slope(below, t)) * over
+            return w * gain, gain + self.step * t * rise
+
+        radius = np.hypot(u, v)
+        shape = np.broadcast_shapes(radius.shape, edge.shape)
+        radius, edge = np.broadcast_to(radius, shape), np.broadcast_to(edge, shape)
+        w = invert(curve, radius, edge)
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            scale = np.where(radius == 0, 1, w / np.where(radius == 0, 1, radius))
+            a, b = u * scale, v * scale
+            if self.tangential or self.prism:
+                a, b = self._newton(a, b, plane, k)
+            rays = columns(a, b, np.ones_like(a))
+            miss = np.abs(self.distort(rays, k) - plane).max(axis=-1)
+            allowed = RESIDUAL * np.maximum(1, np.abs(plane).max(axis=-1))
+            found = (miss <= allowed) & (np.hypot(a, b) <= edge)
+            rays = rays / np.sqrt((rays**2).sum(axis=-1, keepdims=True))
+        return Undistorted(np.where(found[..., None], rays, np.nan), np.asarray(found))
+
+    def _newton(self, a: Array, b: Array, plane: Array, k: Array) -> tuple[Array, Array]:
+        """Newton's steps in two dimensions, each halved until the residual falls."""
+        at, slopes, _ = self._plane_jacobian(a, b, k)
+        for _ in range(_MOST_STEPS):
+            miss = at - plane
+            size = np.abs(miss).max(axis=-1)
+            rest = np.nan_to_num(size, nan=0.0) > RESIDUAL * 1e-3
+            if not rest.any():
+                break
+            (u_a, u_b), (v_a, v_b) = ((slopes[..., i, 0], slopes[..., i, 1]) for i in (0, 1))
+            determinant = u_a * v_b - u_b * v_a
+            step_a = (v_b * miss[..., 0] - u_b * miss[..., 1]) / determinant
+            step_b = (u_a * miss[..., 1] - v_a * miss[..., 0]) / determinant
+            share = np.where(rest, 1.0, 0.0)
+            for _ in range(_MOST_HALVINGS):
+                tried = columns(a - share * step_a, b - share * step_b, np.ones_like(a))
+                now = np.abs(self.distort(tried, k) - plane).max(axis=-1)
+                worse = (share > 0) & ~(now < size)
+                if not worse.any():
+                    break
+                share = np.where(worse, share / 2, share)
+            share = np.where(worse, 0.0, share)
+            if not share.any():
+                break
+            a, b = a - share * step_a, b - share * step_b
+            at, slopes, _ = self._plane_jacobian(a, b, k)
+        return a, b
+
+
+def _each(k: Array, at: list[int]) -> list[Array]:
+    """Coefficients in places `at`, each ``(..., 1)`` to meet the points."""
+    return [k[..., j, None] for j in at]
+
+
+def _horner(k: Array, t: Array) -> Array:
+    """1 + k_1 t + k_2 t^2 + ..., ``(..., n)`` of ``(..., m)`` and ``(..., n)``."""
+    total = np.ones_like(t)
+    if not k.shape[-1]:
+        return total
+    total = k[..., -1, None] * t
+    for j in reversed(range(k.shape[-1] - 1)):
+        total = (total + k[..., j, None]) * t
+    return total + 1
+
+
+def _horner_slope(k: Array, t: Array) -> Array:
+    """k_1 + 2 k_2 t + ..., the derivative of `_horner` by t."""
+    total = np.zeros_like(t)
+    for j in reversed(range(k.shape[-1])):
+        total = total * t + (j + 1) * k[..., j, None]
+    return total
+
+
+def _with_one(k: Array) -> Array:
+    return np.concatenate([np.ones((*k.shape[:-1], 1)), k], axis=-1)
+
+
+def _product(one: Array, other: Array) -> Array:
+    """Coefficients of the product of polynomials, from the constant on, batched."""
+    out = np.zeros((*one.shape[:-1], one.shape[-1] + other.shape[-1] - 1))
+    for j in range(other.shape[-1]):
+        out[..., j : j + one.shape[-1]] += other[..., j, None] * one
+    return out
