@@ -25,9 +25,12 @@ _EXPORTS = {
     "InputError": "bayescal.errors",
     "Correspondences": "bayescal.points.correspondences",
     "Setup": "bayescal.points.setup",
+    "Views": "bayescal.points.views",
     "load": "bayescal.points.reader",
     "load_setup": "bayescal.points.setup",
+    "load_views": "bayescal.points.view_reader",
     "save": "bayescal.points.writer",
+    "save_views": "bayescal.points.view_writer",
     "thesis": "bayescal.points.bundled",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
@@ -51,6 +54,7 @@ __all__ = [
     "Correspondences",
     "InputError",
     "Setup",
+    "Views",
     "__version__",
     "compare",
     "compare_families",
@@ -61,6 +65,7 @@ __all__ = [
     "least_squares",
     "load",
     "load_setup",
+    "load_views",
     "open_run",
     "opencv_camera",
     "outliers",
@@ -70,6 +75,7 @@ __all__ = [
     "save_opencv",
     "save_report",
     "save_run",
+    "save_views",
     "thesis",
 ]
 
@@ -83,6 +89,9 @@ if TYPE_CHECKING:
     from bayescal.points.correspondences import Correspondences
     from bayescal.points.reader import load
     from bayescal.points.setup import Setup, load_setup
+    from bayescal.points.view_reader import load_views
+    from bayescal.points.view_writer import save_views
+    from bayescal.points.views import Views
     from bayescal.points.writer import save
     from bayescal.report.figures.registry import plot
     from bayescal.report.opencv import opencv_camera, save_opencv

@@ -73,7 +73,11 @@ def reproduction_document(reproduction: Reproduction, command: str) -> dict[str,
 
 def reproduction_schema() -> dict[str, Any]:
     """JSON Schema of the document."""
-    text = files("bayescal.reproduction").joinpath("reproduction.schema.json").read_text(encoding="utf-8")
+    text = (
+        files("bayescal.reproduction")
+        .joinpath("reproduction.schema.json")
+        .read_text(encoding="utf-8")
+    )
     loaded: dict[str, Any] = json.loads(text)
     return loaded
 

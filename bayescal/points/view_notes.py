@@ -1,0 +1,118 @@
+"""What is odd about some views, a line each; nothing here keeps them from being used."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.points.view_checks import off_image
+from bayescal.points.views import Views
+from bayescal.rounding import counted
+
+# A smooth map misses the pixels of a properly named board by a few hundredths of its span.
+SCRAMBLED = 0.1
+MANY = 1000
+
+
+def view_notes(views: Views) -> list[str]:
+    """Say it: what the reader assumed, and what is odd about the views.
+
+    Parameters
+    ----------
+    views : Views
+    """
+    found = list(views.notes)
+    if views.width is None or views.height is None:
+        found.append("the image size is not stated; --image-width and --image-height state it")
+    else:
+        found += _off(views, views.width, views.height)
+    if len(views) == 1:
+        found.append(
+            "one view only: what the lens does and where it stood can hardly be told apart"
+        )
+    if len(views) > MANY:
+        found.append(f"{len(views)} views: a hundred that differ say nearly as much, sooner")
+    return found + _repeated(views) + _order(views)
+
+
+def _off(views: Views, width: int, height: int) -> list[str]:
+    off = off_image(views.pixels, width, height)
+    count = int(off.sum())
+    if not count:
+        return []
+    first = int(np.argmax(off))
+    r, c = (f"{v:g}" for v in views.pixels[first])
+    return [
+        f"{count} of {counted(views.n_points, 'point')} {'lies' if count == 1 else 'lie'} off the "
+        f"image (the first at {views.place(first)}: r = {r}, c = {c}); check its size, or the "
+        "readings"
+    ]
+
+
+def _repeated(views: Views) -> list[str]:
+    """Find views that are a copy of an earlier one."""
+    seen: dict[bytes, str] = {}
+    copies = []
+    for name, part in zip(views.names, views.slices, strict=True):
+        key = views.corner[part].tobytes() + views.pixels[part].tobytes()
+        if key in seen:
+            copies.append(f"view {name} repeats view {seen[key]} exactly")
+        seen.setdefault(key, name)
+    if not copies:
+        return []
+    more = f" ({len(copies)} such views)" if len(copies) > 1 else ""
+    return [f"{copies[0]}{more}; copies of one photograph make every interval too narrow"]
+
+
+def _order(views: Views) -> list[str]:
+    """Planar views whose points seem named in the wrong order, or seen from behind."""
+    if not views.planar:
+        return []
+    plane = _plane(views.target)[views.corner]
+    turns, scrambled = [], []
+    for name, part in zip(views.names, views.slices, strict=True):
+        misfit, turn = _smooth(plane[part], views.pixels[part])
+        turns.append(turn)
+        if misfit > SCRAMBLED:
+            scrambled.append(name)
+    found = []
+    if scrambled:
+        found.append(
+            f"view {scrambled[0]} looks like no picture of a flat target: are its points in "
+            f"another order?{_others(scrambled)}"
+        )
+    back = np.sign(turns)
+    odd = [n for n, s in zip(views.names, back, strict=True) if s * back.sum() < 0]
+    if odd:
+        found.append(
+            f"view {odd[0]} shows the target mirrored, unlike most: is a row or column counted "
+            f"backwards there?{_others(odd)}"
+        )
+    return found
+
+
+def _others(names: list[str]) -> str:
+    return f" ({counted(len(names), 'view')} in all)" if len(names) > 1 else ""
+
+
+def _plane(target: Array) -> Array:
+    """Coordinates of a flat target's points in its plane, ``(n, 2)``, about -1 to 1."""
+    centred = target - target.mean(axis=0)
+    _, _, directions = np.linalg.svd(centred, full_matrices=False)
+    inside = centred @ directions[:2].T
+    return np.asarray(inside / np.abs(inside).max())
+
+
+def _smooth(plane: Array, pixels: Array) -> tuple[float, float]:
+    """How badly a smooth map takes plane to pixels, as a fraction of their span; and its sense."""
+    x, y = (plane - plane.mean(axis=0)).T
+    terms = [np.ones_like(x), x, y]
+    affine = np.column_stack(terms)
+    if len(x) >= 12:
+        terms += [x * x, x * y, y * y]
+    design = np.column_stack(terms)
+    linear = np.linalg.lstsq(affine, pixels, rcond=None)[0]
+    fitted = design @ np.linalg.lstsq(design, pixels, rcond=None)[0]
+    span = np.linalg.norm(np.ptp(pixels, axis=0))
+    rms = np.sqrt(((pixels - fitted) ** 2).sum(axis=1).mean())
+    return float(rms / span), float(np.linalg.det(linear[1:]))

@@ -1,0 +1,319 @@
+"""Views of a target: points known in the target's own frame, and where photographs show them."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from bayescal.arrays import Array, ArrayLike, IntArray, frozen
+from bayescal.errors import InputError
+from bayescal.points.correspondences import one_line
+from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
+from bayescal.points.view_checks import check_views
+from bayescal.rounding import counted
+
+# Points nearer than this fraction of the target's diagonal are one point, written with rounding.
+SAME = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Views:
+    """Photographs of one target by one camera, point by point.
+
+    Frames are OpenCV's: pixel centres at integers, r from the left and c from the top.
+    Points stand in the order of their views.
+
+    Attributes
+    ----------
+    names : tuple of str
+        A name per view.
+    view : IntArray
+        View of each point, from 0, never falling, ``(n_points,)``.
+    world : Array
+        x, y, z in the target's frame, ``(n_points, 3)``, the target's unit.
+    pixels : Array
+        r, c as measured, ``(n_points, 2)``, px.
+    target : Array
+        The target's distinct points, ``(n_corners, 3)``, the target's unit.
+    corner : IntArray
+        Which of them each point is, ``(n_points,)``.
+    sigma : Array or None
+        Standard deviations of r and c, ``(n_points, 2)``, px; None where not stated.
+    relative_sigma : bool
+        Whether `sigma` says only how the points compare, its scale unknown.
+    labels : tuple of str or None
+        A name per point.
+    width, height : int or None
+        Image size, px; None where it is not known.
+    source : str
+        Where the views came from.
+    lines : tuple of int or None
+        The file's line of each point.
+    sha256 : str
+        Hash of the file's bytes, or of the numbers where there was no file.
+    notes : tuple of str
+        What the reader assumed or left out, a line each.
+    """
+
+    names: tuple[str, ...]
+    view: IntArray
+    world: Array
+    pixels: Array
+    target: Array
+    corner: IntArray
+    sigma: Array | None = None
+    relative_sigma: bool = False
+    labels: tuple[str, ...] | None = None
+    width: int | None = None
+    height: int | None = None
+    source: str = "arrays"
+    lines: tuple[int, ...] | None = None
+    sha256: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    @classmethod
+    def from_arrays(
+        cls,
+        world: Sequence[ArrayLike],
+        pixels: Sequence[ArrayLike],
+        *,
+        names: Sequence[str] | None = None,
+        sigma: Sequence[ArrayLike] | None = None,
+        width: float | None = None,
+        height: float | None = None,
+    ) -> Views:
+        """Build views from arrays, one of each per view.
+
+        Parameters
+        ----------
+        world : sequence of array_like
+            x, y, z of the target's points that a view shows, ``(n_i, 3)`` each.
+        pixels : sequence of array_like
+            Their r, c, ``(n_i, 2)`` each, px.
+        names : sequence of str, optional
+            A name per view; "1", "2", ... by default.
+        sigma : sequence of array_like, optional
+            Standard deviations of r and c, ``(n_i, 2)`` each, px.
+        width, height : float, optional
+            Image size, px.
+
+        Raises
+        ------
+        InputError
+            Where shapes disagree, a number is not finite, a view shows fewer than four points
+            or one point twice, or the views can't be of one target and one camera.
+        """
+        if len(world) != len(pixels):
+            raise InputError(f"world has {len(world)} views and pixels {len(pixels)}")
+        each = [
+            (_pair(w, 3, "world", i), _pair(p, 2, "pixels", i))
+            for i, (w, p) in enumerate(zip(world, pixels, strict=True), 1)
+        ]
+        for i, (w, p) in enumerate(each, 1):
+            if len(w) != len(p):
+                raise InputError(
+                    f"view {i}: {counted(len(w), 'point')} in world and {len(p)} in pixels"
+                )
+        names = [str(i) for i in range(1, len(each) + 1)] if names is None else list(names)
+        if len(names) != len(each):
+            raise InputError(f"names: {len(names)} given for {counted(len(each), 'view')}")
+        sds = None
+        if sigma is not None:
+            if len(sigma) != len(each):
+                raise InputError(f"sigma: {len(sigma)} given for {counted(len(each), 'view')}")
+            sds = [_pair(s, 2, "sigma", i) for i, s in enumerate(sigma, 1)]
+        return cls.from_rows(
+            [name for name, (w, _) in zip(names, each, strict=True) for _ in w],
+            np.concatenate([w for w, _ in each]) if each else np.empty((0, 3)),
+            np.concatenate([p for _, p in each]) if each else np.empty((0, 2)),
+            sigma=np.concatenate(sds) if sds else None,
+            width=width,
+            height=height,
+        )
+
+    @classmethod
+    def from_rows(
+        cls,
+        view: Sequence[str],
+        world: ArrayLike,
+        pixels: ArrayLike,
+        *,
+        sigma: ArrayLike | None = None,
+        relative_sigma: bool = False,
+        labels: Sequence[str] | None = None,
+        width: float | None = None,
+        height: float | None = None,
+        source: str = "arrays",
+        lines: Sequence[int] | None = None,
+        sha256: str = "",
+        notes: Sequence[str] = (),
+    ) -> Views:
+        """Build views from rows: for each point the name of its view, x, y, z and r, c."""
+        w, p = _finite(world, 3, "world", LARGEST), _finite(pixels, 2, "pixels", LARGEST_PX)
+        n = len(w)
+        if n == 0:
+            raise InputError(f"{source}: there are no points; give at least one view of four")
+        given = one_line(tuple(view))
+        sds = None if sigma is None else _finite(sigma, 2, "sigma", np.inf)
+        columns = (("pixels", p), ("view", given), ("sigma", sds), ("labels", labels))
+        for what, values in columns:
+            if values is not None and len(values) != n:
+                raise InputError(f"{what}: {len(values)} given for {counted(n, 'point')}")
+        if sds is not None and not ((sds >= SMALLEST_PX) & (sds <= LARGEST_PX)).all():
+            raise InputError(f"{source}: sigma must be from {SMALLEST_PX:g} to {LARGEST_PX:g} px")
+        order: dict[str, int] = {}
+        index = np.array([order.setdefault(name, len(order)) for name in given], dtype=np.intp)
+        rows = np.argsort(index, kind="stable")
+        target, corner = _distinct(w)
+        if not sha256:
+            digest = hashlib.sha256(repr(tuple(order)).encode())
+            for array in (index, w, p, *(() if sds is None else (sds,))):
+                digest.update(array.tobytes())
+            sha256 = digest.hexdigest()
+        found = cls(
+            tuple(order),
+            _fixed(index[rows]),
+            frozen(w[rows]),
+            frozen(p[rows]),
+            target,
+            _fixed(corner[rows]),
+            None if sds is None else frozen(sds[rows]),
+            relative_sigma,
+            None if labels is None else one_line(tuple(labels[i] for i in rows)),
+            _size(width, "width"),
+            _size(height, "height"),
+            source,
+            None if lines is None else tuple(lines[i] for i in rows),
+            sha256,
+            tuple(notes),
+        )
+        check_views(found)
+        return found
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def n_points(self) -> int:
+        """How many points all views show together."""
+        return len(self.view)
+
+    @cached_property
+    def counts(self) -> IntArray:
+        """Points of each view, ``(n_views,)``."""
+        return _fixed(np.bincount(self.view, minlength=len(self)))
+
+    @cached_property
+    def slices(self) -> tuple[slice, ...]:
+        """Where each view's points stand in the arrays."""
+        ends = np.cumsum(self.counts).tolist()
+        return tuple(map(slice, [0, *ends[:-1]], ends))
+
+    @cached_property
+    def extent(self) -> Array:
+        """Size of the target along x, y and z, ``(3,)``, the target's unit."""
+        return frozen(np.ptp(self.target, axis=0))
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the target, the target's unit."""
+        return float(np.linalg.norm(self.extent))
+
+    @cached_property
+    def planar(self) -> bool:
+        """Whether the target's points lie in one plane (to a millionth of its size)."""
+        spread = np.linalg.svd(self.target - self.target.mean(axis=0), compute_uv=False)
+        return len(spread) < 3 or bool(spread[2] <= 1e-6 * spread[0])
+
+    def select(self, views: Sequence[int]) -> Views:
+        """Keep some views (from 0), in the order given; the target stays that of all."""
+        kept = [self.slices[i] for i in views]
+        rows = np.concatenate([np.arange(s.start, s.stop) for s in kept])
+        view = np.repeat(np.arange(len(kept)), [s.stop - s.start for s in kept])
+        digest = hashlib.sha256(f"{self.sha256} {list(views)}".encode()).hexdigest()
+        return replace(
+            self,
+            names=tuple(self.names[i] for i in views),
+            view=_fixed(view.astype(np.intp)),
+            world=frozen(self.world[rows]),
+            pixels=frozen(self.pixels[rows]),
+            corner=_fixed(self.corner[rows]),
+            sigma=None if self.sigma is None else frozen(self.sigma[rows]),
+            labels=None if self.labels is None else tuple(self.labels[i] for i in rows),
+            lines=None if self.lines is None else tuple(self.lines[i] for i in rows),
+            sha256=digest,
+        )
+
+    def with_size(self, width: float, height: float) -> Views:
+        """State the image size, px, which is checked against the pixels."""
+        found = replace(self, width=_size(width, "width"), height=_size(height, "height"))
+        check_views(found)
+        return found
+
+    def place(self, point: int) -> str:
+        """Where a point (from 0) is, for a message: file and line, or view and label."""
+        if self.lines is not None:
+            return f"{self.source}:{self.lines[point]}"
+        view = int(self.view[point])
+        own = self.labels[point] if self.labels is not None else ""
+        within = point - self.slices[view].start + 1
+        return f"{self.source}, view {self.names[view]}, point {own or within}"
+
+    def __repr__(self) -> str:
+        x, y, z = (f"{v:.6g}" for v in self.extent)
+        shape = f"planar target {x} by {y}" if self.planar and z == "0" else f"target {x}, {y}, {z}"
+        size = f", image {self.width} by {self.height} px" if self.width and self.height else ""
+        return (
+            f"<Views: {counted(len(self), 'view')}, {counted(self.n_points, 'point')} of a {shape}"
+            f"{size}, from {self.source}>"
+        )
+
+
+def _pair(values: ArrayLike, columns: int, what: str, view: int) -> Array:
+    """Check the shape of one view's array; (n, 1, 2), as OpenCV has it, is (n, 2)."""
+    array = np.asarray(values, dtype=np.float64)
+    if array.ndim == 3 and 1 in array.shape[:2]:
+        array = array.reshape(-1, array.shape[2])
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise InputError(f"view {view}: {what} must have shape (n, {columns}), not {array.shape}")
+    return array
+
+
+def _finite(values: ArrayLike, columns: int, what: str, limit: float) -> Array:
+    array = np.asarray(values, dtype=np.float64)
+    if array.size == 0:
+        array = array.reshape(0, columns)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise InputError(f"{what} must have shape (n_points, {columns}), not {array.shape}")
+    if not (np.abs(array) < limit).all():
+        raise InputError(f"{what} holds a number that is NaN, infinite or above {limit:g}")
+    return array
+
+
+def _distinct(world: Array) -> tuple[Array, IntArray]:
+    """Distinct points, ``(n_corners, 3)``, sorted by z, y, x, and the index of each."""
+    size = float(np.linalg.norm(np.ptp(world, axis=0)))
+    # Adding 0 makes -0 into 0. Rounded numbers only tell points apart; what is kept is as given.
+    rounded = np.round(world / (SAME * size)) + 0.0 if size else np.zeros_like(world)
+    _, first, index = np.unique(rounded[:, ::-1], axis=0, return_index=True, return_inverse=True)
+    return frozen(world[first]), index.reshape(-1).astype(np.intp)
+
+
+def _fixed(values: IntArray) -> IntArray:
+    array = np.array(values, dtype=np.intp)
+    array.setflags(write=False)
+    return array
+
+
+def _size(value: float | None, name: str) -> int | None:
+    if value is None:
+        return None
+    if not (1 <= value <= LARGEST_PX and float(value).is_integer()):
+        raise InputError(
+            f"image {name} must be a whole number from 1 to {LARGEST_PX:g} px, not {value:g}"
+        )
+    return int(value)
