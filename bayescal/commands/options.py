@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bayescal.points.correspondences import Correspondences
 
-CAMERA = ("setup", "camera_position", "image_width", "image_height", "c_from_bottom")
+CAMERA = (
+    "columns",
+    "view",
+    "setup",
+    "camera_position",
+    "image_width",
+    "image_height",
+    "c_from_bottom",
+)
 COMPARED = ("orders", "axis")
 MODEL = ("sigma", "prior", "tau", "noise", "nu", "bad_offset", "seed", "ess")
 
@@ -21,9 +29,15 @@ def add_points(parser: argparse.ArgumentParser) -> None:
         "points",
         nargs="?",
         metavar="POINTS",
-        help="CSV or TSV with columns x,y,z,r,c and optionally label, group, sigma_r, sigma_c; "
-        "- reads standard input; by default the bundled thesis data",
+        help="a table with columns x,y,z,r,c (or E,N,h,col,row and the like) and optionally label, "
+        "group, sigma_r, sigma_c; - reads standard input; by default the bundled thesis data",
     )
+    parser.add_argument(
+        "--columns",
+        metavar="x=E,y=N,...",
+        help="names or numbers of the table's columns where they can't be guessed",
+    )
+    parser.add_argument("--view", metavar="NAME", help="which view to take of a file of several")
     camera = parser.add_argument_group("camera")
     camera.add_argument("--setup", metavar="FILE.toml", help="camera position, image size, priors")
     camera.add_argument(
@@ -146,7 +160,7 @@ def points(options: argparse.Namespace) -> Correspondences:
     from bayescal.points.setup import load_setup
 
     setup = load_setup(options.setup) if options.setup is not None else None
-    found = thesis() if options.points is None else load(options.points)
+    found = thesis() if options.points is None else load(options.points, columns=options.columns)
     base = setup if setup is not None else found.setup
     flags: dict[str, Any] = {
         "position": tuple(options.camera_position) if options.camera_position else None,

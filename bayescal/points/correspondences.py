@@ -41,6 +41,8 @@ class Correspondences:
         The file's line of each point.
     sha256 : str
         Hash of the file's bytes, or of the numbers where there was no file.
+    notes : tuple of str
+        What had to be assumed to read them.
     """
 
     world: Array
@@ -52,6 +54,7 @@ class Correspondences:
     source: str = "arrays"
     lines: tuple[int, ...] | None = None
     sha256: str = ""
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def from_arrays(

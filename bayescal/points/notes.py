@@ -17,7 +17,7 @@ def point_notes(points: Correspondences) -> list[str]:
     points : Correspondences
     """
     setup = points.setup
-    found = []
+    found = list(points.notes)
     if "position" in setup.assumed:
         found.append(f"camera position {setup.position} is assumed")
     found += [

@@ -20,7 +20,7 @@ from typing import Any
 
 from bayescal.errors import InputError
 from bayescal.points.camera import CAMERA_KEYS, PINHOLE_KEYS, StatedCamera
-from bayescal.points.text import decode, reason
+from bayescal.points.content import LARGEST_SETUP, read_file
 
 AXES = ("r", "c")
 _KEYS = {
@@ -141,11 +141,7 @@ def load_setup(path: str | Path) -> Setup:
         value of the wrong kind; the message names the line.
     """
     name = str(path)
-    try:
-        raw = Path(path).read_bytes()
-    except (OSError, ValueError) as error:
-        raise InputError(f"{name}: {reason(error)}; give a TOML setup file") from None
-    text = decode(name, raw)
+    text = read_file(path, "a TOML setup file", LARGEST_SETUP).text()
     try:
         document = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

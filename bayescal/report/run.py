@@ -98,6 +98,8 @@ def _manifest(points: Correspondences, files: dict[str, str]) -> dict[str, Any]:
         "files": files,
         # The points' lines in the file they once came from, for messages.
         "lines": None if points.lines is None else list(points.lines),
+        # What had to be assumed to read it.
+        "notes": list(points.notes),
     }
 
 

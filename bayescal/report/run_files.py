@@ -154,11 +154,15 @@ class RunFiles:
             and all(isinstance(line, int) for line in lines)
         ):
             raise InputError(f"{self.folder / MANIFEST}: is damaged: lines; {self.again}")
+        notes = self.manifest.get("notes", [])
+        if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
+            raise InputError(f"{self.folder / MANIFEST}: is damaged: notes; {self.again}")
         return dataclasses.replace(
             read,
             source=data["source"],
             sha256=data["sha256"],
             lines=None if lines is None else tuple(lines),
+            notes=tuple(notes),
         )
 
     def sampled(
