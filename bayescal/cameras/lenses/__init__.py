@@ -7,8 +7,14 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
+from bayescal.cameras.lenses.division import Division
+from bayescal.cameras.lenses.double_sphere import DoubleSphere
+from bayescal.cameras.lenses.eucm import Eucm
+from bayescal.cameras.lenses.fisheye import Fisheye
 from bayescal.cameras.lenses.lens import Derivatives, Lens, Undistorted
 from bayescal.cameras.lenses.radial import radial
+from bayescal.cameras.lenses.rational import rational
+from bayescal.cameras.lenses.thin_prism import thin_prism
 from bayescal.errors import InputError
 
 __all__ = ["LENSES", "Derivatives", "Lens", "Undistorted", "lens_named"]
@@ -17,6 +23,14 @@ LENSES: dict[str, Callable[..., Lens]] = {
     "radial": radial,
     "opencv4": partial(radial, order=2, tangential=True),
     "opencv5": partial(radial, order=3, tangential=True),
+    "rational": rational,
+    "opencv8": partial(rational, order=3, tangential=True),
+    "thin-prism": thin_prism,
+    "opencv12": partial(thin_prism, order=3, tangential=True, rational=True),
+    "fisheye": Fisheye,
+    "division": Division,
+    "eucm": Eucm,
+    "double-sphere": DoubleSphere,
 }
 
 

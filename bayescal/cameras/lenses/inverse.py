@@ -12,6 +12,7 @@ _EPS = float(np.finfo(np.float64).eps)
 # Bisection alone halves a bracket to rounding in about 60 steps; Newton's method takes some 6.
 _MOST_STEPS = 200
 _MOST_DOUBLINGS = 400
+_NEAR = 1e-6
 
 
 def invert(curve: Callable[[Array], tuple[Array, Array]], target: Array, high: Array) -> Array:
@@ -32,18 +33,21 @@ def invert(curve: Callable[[Array], tuple[Array, Array]], target: Array, high: A
     """
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         low, high = np.zeros_like(target), _bracket(curve, target, high)
-        w = np.minimum(target, high)
+        # Never at `high` itself: there a pole may show its other side.
+        w = np.where(target < high, target, high / 2)
         moved, done = high - low, (target == 0) | ~np.isfinite(target)
         for _ in range(_MOST_STEPS):
             value, slope = curve(w)
             below = value < target
             low, high = np.where(below, w, low), np.where(below, high, w)
             newton = w - (value - target) / slope
-            trusted = (newton >= low) & (newton <= high) & (np.abs(newton - w) <= moved / 2)
+            trusted = (newton >= low) & (newton < high) & (np.abs(newton - w) <= moved / 2)
             new = np.where(done, w, np.where(trusted, newton, low + (high - low) / 2))
             moved = np.abs(new - w)
             w = new
-            done |= moved <= 2 * _EPS * w
+            # Beside a pole Newton's step is tiny wherever it starts: near the root alone it counts.
+            near = np.abs(value - target) <= _NEAR * target
+            done |= (near & (moved <= 2 * _EPS * w)) | (high - low <= 2 * _EPS * w)
             if done.all():
                 break
     return w

@@ -108,22 +108,3 @@ class Lens(Protocol):
 def columns(*parts: Array) -> Array:
     """Join arrays ``(..., n)`` along a new last axis; each stays contiguous in memory."""
     return np.moveaxis(np.stack(parts), 0, -1)
-
-
-def first_root(polynomial: Array) -> Array:
-    """Smallest positive root t of 1 + a_1 t + ... + a_d t^d, ``(...)`` of a_1.. ``(..., d)``.
-
-    Infinite where there is none. In 1/t the polynomial is monic, so its companion matrix exists
-    whatever a_d is. A double root comes out as a pair slightly complex, and counts.
-    """
-    degree = polynomial.shape[-1]
-    if not degree:
-        return np.full(polynomial.shape[:-1], np.inf)
-    companion = np.zeros((*polynomial.shape[:-1], degree, degree))
-    companion[..., 0, :] = -polynomial
-    companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1
-    found = np.linalg.eigvals(companion)
-    real = (found.real > 0) & (np.abs(found.imag) <= 1e-7 * np.abs(found.real))
-    largest = np.where(real, found.real, 0).max(axis=-1)
-    with np.errstate(divide="ignore"):
-        return np.asarray(1 / largest)

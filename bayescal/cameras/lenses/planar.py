@@ -19,9 +19,16 @@ from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.cameras.lenses.inverse import invert
-from bayescal.cameras.lenses.lens import RESIDUAL, Derivatives, Undistorted, columns, first_root
+from bayescal.cameras.lenses.lens import RESIDUAL, Derivatives, Undistorted, columns
+from bayescal.cameras.lenses.polynomial import (
+    first_root,
+    horner,
+    horner_slope,
+    product,
+    with_one,
+)
 
-_MOST_STEPS, _MOST_HALVINGS = 40, 30
+_MOST_STEPS, _MOST_HALVINGS = 40, 12
 
 
 @dataclass(frozen=True)
@@ -101,9 +108,9 @@ class Planar:
             square = a**2 + b**2
             above, below = self._radial(k)
             t = square if self.step == 2 else np.sqrt(square)
-            gain = _horner(above, t)
+            gain = horner(above, t)
             if self.denominator:
-                gain = gain / _horner(below, t)
+                gain = gain / horner(below, t)
             u, v = a * gain, b * gain
             if self.tangential:
                 p1, p2 = _each(k, self._at("tangential"))
@@ -128,54 +135,28 @@ class Planar:
 
     def _plane_jacobian(self, a: Array, b: Array, k: Array) -> tuple[Array, Array, Array]:
         """Plane coordinates, derivatives by a and b, ``(..., n, 2, 2)``, and by coefficients."""
-        square = a**2 + b**2
-        above, below = self._radial(k)
-        t = square if self.step == 2 else np.sqrt(square)
-        over = 1 / _horner(below, t)
-        gain = _horner(above, t) * over
-        rise = (_horner_slope(above, t) - gain * _horner_slope(below, t)) * over  # dg/dt
-        # dg/da is a times this.
-        bend = 2 * rise if self.step == 2 else np.where(t == 0, 0, rise / np.where(t == 0, 1, t))
-        shape = gain.shape
-        by_plane, by_k = np.empty((*shape, 2, 2)), np.zeros((*shape, 2, k.shape[-1]))
-        u, v = a * gain, b * gain
-        u_a, u_b, v_b = gain + a**2 * bend, a * b * bend, gain + b**2 * bend
-        v_a = u_b
-        power, radial = over, self._at("radial")
-        for i in range(max(self.numerator, self.denominator)):
-            power = power * t
-            for j, factor in ((i, 1.0), (self.numerator + i, -gain)):
-                if (i < self.numerator) if j == i else (i < self.denominator):
-                    by_k[..., 0, radial[j]] = a * power * factor
-                    by_k[..., 1, radial[j]] = b * power * factor
+        parts = {"radial": _radial_terms(a, b, *self._radial(k), self.step)}
         if self.tangential:
-            p1, p2 = _each(k, self._at("tangential"))
-            cross, wide, tall = 2 * a * b, square + 2 * a**2, square + 2 * b**2
-            u, v = u + p1 * cross + p2 * wide, v + p1 * tall + p2 * cross
-            lean = 2 * (p1 * a + p2 * b)
-            u_a, u_b = u_a + 2 * p1 * b + 6 * p2 * a, u_b + lean
-            v_a, v_b = v_a + lean, v_b + 6 * p1 * b + 2 * p2 * a
-            first, second = self._at("tangential")
-            by_k[..., 0, first], by_k[..., 1, first] = cross, tall
-            by_k[..., 0, second], by_k[..., 1, second] = wide, cross
+            parts["tangential"] = _tangential_terms(a, b, *_each(k, self._at("tangential")))
         if self.prism:
-            s1, s2, s3, s4 = _each(k, self._at("thin-prism"))
-            u, v = u + square * (s1 + s2 * square), v + square * (s3 + s4 * square)
-            steep_u, steep_v = 2 * (s1 + 2 * s2 * square), 2 * (s3 + 2 * s4 * square)
-            u_a, u_b = u_a + a * steep_u, u_b + b * steep_u
-            v_a, v_b = v_a + a * steep_v, v_b + b * steep_v
-            for i, j in enumerate(self._at("thin-prism")):
-                by_k[..., i // 2, j] = square if i % 2 == 0 else square**2
-        by_plane[..., 0, 0], by_plane[..., 0, 1] = u_a, u_b
-        by_plane[..., 1, 0], by_plane[..., 1, 1] = v_a, v_b
+            parts["thin-prism"] = _prism_terms(a, b, *_each(k, self._at("thin-prism")))
+        shape = np.broadcast_shapes(a.shape, (*k.shape[:-1], 1))
+        by_plane, by_k = np.empty((*shape, 2, 2)), np.empty((*shape, 2, k.shape[-1]))
+        for i in (0, 1):
+            for j in (0, 1):
+                by_plane[..., i, j] = sum(part.by_plane[i][j] for part in parts.values())
+        for group, part in parts.items():
+            for column, (by_u, by_v) in zip(self._at(group), part.by_coefficient, strict=True):
+                by_k[..., 0, column], by_k[..., 1, column] = by_u, by_v
+        u, v = (np.asarray(sum(part.plane[i] for part in parts.values())) for i in (0, 1))
         return columns(u, v), by_plane, by_k
 
     def _edge(self, k: Array) -> Array:
         """Radius w of the undistorted plane up to which w g grows, ``(...)``; inf if always."""
-        above, below = (_with_one(part) for part in self._radial(k))
+        above, below = (with_one(part) for part in self._radial(k))
         degrees = [self.step * np.arange(part.shape[-1]) for part in (above, below)]
         # The slope's numerator: (N + w N') D - N w D', in t.
-        slope = _product(above * (1 + degrees[0]), below) - _product(above, below * degrees[1])
+        slope = product(above * (1 + degrees[0]), below) - product(above, below * degrees[1])
         first = np.minimum(first_root(slope[..., 1:]), first_root(below[..., 1:]))
         return np.asarray(first ** (1 / self.step))
 
@@ -185,10 +166,11 @@ class Planar:
 
     def seen(self, rays: Array, k: Array) -> NDArray[np.bool_]:
         """Whether rays are in front of the camera and inside `limit`, ``(..., n)``."""
-        radius, depth = np.hypot(rays[..., 0], rays[..., 1]), rays[..., 2]
-        edge = self._edge(k)[..., None]
-        finite = np.where(np.isfinite(edge), edge, 0)
-        return np.asarray((depth > 0) & (np.isinf(edge) | (radius < finite * depth)))
+        depth = rays[..., 2]
+        inside = np.hypot(rays[..., 0], rays[..., 1]) < self._edge(k)[..., None] * np.where(
+            depth > 0, depth, 1
+        )
+        return np.asarray(inside & (depth > 0))
 
     def undistort(self, plane: Array, k: Array) -> Undistorted:
         """Rays of plane coordinates: the radial part in a bracket, the rest by Newton's method."""
@@ -198,9 +180,9 @@ class Planar:
 
         def curve(w: Array) -> tuple[Array, Array]:
             t = w**self.step
-            over = 1 / _horner(below, t)
-            gain = _horner(above, t) * over
-            rise = (_horner_slope(above, t) - gain * _horner_slope(below, t)) * over
+            over = 1 / horner(below, t)
+            gain = horner(above, t) * over
+            rise = (horner_slope(above, t) - gain * horner_slope(below, t)) * over
             return w * gain, gain + self.step * t * rise
 
         radius = np.hypot(u, v)
@@ -213,10 +195,10 @@ class Planar:
             if self.tangential or self.prism:
                 a, b = self._newton(a, b, plane, k)
             rays = columns(a, b, np.ones_like(a))
+            rays = rays / np.sqrt((rays**2).sum(axis=-1, keepdims=True))
             miss = np.abs(self.distort(rays, k) - plane).max(axis=-1)
             allowed = RESIDUAL * np.maximum(1, np.abs(plane).max(axis=-1))
-            found = (miss <= allowed) & (np.hypot(a, b) <= edge)
-            rays = rays / np.sqrt((rays**2).sum(axis=-1, keepdims=True))
+            found = (miss <= allowed) & (np.hypot(a, b) < edge)
         return Undistorted(np.where(found[..., None], rays, np.nan), np.asarray(found))
 
     def _newton(self, a: Array, b: Array, plane: Array, k: Array) -> tuple[Array, Array]:
@@ -225,7 +207,7 @@ class Planar:
         for _ in range(_MOST_STEPS):
             miss = at - plane
             size = np.abs(miss).max(axis=-1)
-            rest = np.nan_to_num(size, nan=0.0) > RESIDUAL * 1e-3
+            rest = size > RESIDUAL / 20 * np.maximum(1, np.abs(plane).max(axis=-1))
             if not rest.any():
                 break
             (u_a, u_b), (v_a, v_b) = ((slopes[..., i, 0], slopes[..., i, 1]) for i in (0, 1))
@@ -248,37 +230,52 @@ class Planar:
         return a, b
 
 
+@dataclass(frozen=True, eq=False)
+class _Terms:
+    """What one group of coefficients adds: u and v, and their derivatives, each ``(..., n)``."""
+
+    plane: tuple[Array, Array]
+    by_plane: tuple[tuple[Array, Array], tuple[Array, Array]]  # u by a, b; v by a, b
+    by_coefficient: list[tuple[Array, Array]]  # of each: u, v
+
+
+def _radial_terms(a: Array, b: Array, above: Array, below: Array, step: int) -> _Terms:
+    """Make a g and b g, with k1, k2, ... above the line and then those below."""
+    square = a**2 + b**2
+    t = square if step == 2 else np.sqrt(square)
+    over = 1 / horner(below, t)
+    gain = horner(above, t) * over
+    rise = (horner_slope(above, t) - gain * horner_slope(below, t)) * over  # dg/dt
+    # dg/da is a times this.
+    bend = 2 * rise if step == 2 else np.where(t == 0, 0, rise / np.where(t == 0, 1, t))
+    powers, power = [], over
+    for _ in range(max(above.shape[-1], below.shape[-1])):
+        power = power * t
+        powers.append(power)
+    slopes = [(a * power, b * power) for power in powers[: above.shape[-1]]]
+    slopes += [(-a * gain * power, -b * gain * power) for power in powers[: below.shape[-1]]]
+    cross = a * b * bend
+    by_plane = ((gain + a**2 * bend, cross), (cross, gain + b**2 * bend))
+    return _Terms((a * gain, b * gain), by_plane, slopes)
+
+
+def _tangential_terms(a: Array, b: Array, p1: Array, p2: Array) -> _Terms:
+    cross, wide, tall = 2 * a * b, 3 * a**2 + b**2, a**2 + 3 * b**2
+    lean = 2 * (p1 * a + p2 * b)
+    by_plane = ((2 * p1 * b + 6 * p2 * a, lean), (lean, 6 * p1 * b + 2 * p2 * a))
+    plane = (p1 * cross + p2 * wide, p1 * tall + p2 * cross)
+    return _Terms(plane, by_plane, [(cross, tall), (wide, cross)])
+
+
+def _prism_terms(a: Array, b: Array, s1: Array, s2: Array, s3: Array, s4: Array) -> _Terms:
+    square, zero = a**2 + b**2, np.zeros_like(a)
+    steep_u, steep_v = 2 * (s1 + 2 * s2 * square), 2 * (s3 + 2 * s4 * square)
+    by_plane = ((a * steep_u, b * steep_u), (a * steep_v, b * steep_v))
+    plane = (square * (s1 + s2 * square), square * (s3 + s4 * square))
+    slopes = [(square, zero), (square**2, zero), (zero, square), (zero, square**2)]
+    return _Terms(plane, by_plane, slopes)
+
+
 def _each(k: Array, at: list[int]) -> list[Array]:
     """Coefficients in places `at`, each ``(..., 1)`` to meet the points."""
     return [k[..., j, None] for j in at]
-
-
-def _horner(k: Array, t: Array) -> Array:
-    """1 + k_1 t + k_2 t^2 + ..., ``(..., n)`` of ``(..., m)`` and ``(..., n)``."""
-    total = np.ones_like(t)
-    if not k.shape[-1]:
-        return total
-    total = k[..., -1, None] * t
-    for j in reversed(range(k.shape[-1] - 1)):
-        total = (total + k[..., j, None]) * t
-    return total + 1
-
-
-def _horner_slope(k: Array, t: Array) -> Array:
-    """k_1 + 2 k_2 t + ..., the derivative of `_horner` by t."""
-    total = np.zeros_like(t)
-    for j in reversed(range(k.shape[-1])):
-        total = total * t + (j + 1) * k[..., j, None]
-    return total
-
-
-def _with_one(k: Array) -> Array:
-    return np.concatenate([np.ones((*k.shape[:-1], 1)), k], axis=-1)
-
-
-def _product(one: Array, other: Array) -> Array:
-    """Coefficients of the product of polynomials, from the constant on, batched."""
-    out = np.zeros((*one.shape[:-1], one.shape[-1] + other.shape[-1] - 1))
-    for j in range(other.shape[-1]):
-        out[..., j : j + one.shape[-1]] += other[..., j, None] * one
-    return out
