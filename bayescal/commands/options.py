@@ -7,6 +7,8 @@ import dataclasses
 import sys
 from typing import TYPE_CHECKING, Any
 
+from bayescal.errors import InputError
+
 if TYPE_CHECKING:
     from bayescal.points.correspondences import Correspondences
 
@@ -38,6 +40,10 @@ def add_points(parser: argparse.ArgumentParser) -> None:
         help="names or numbers of the table's columns where they can't be guessed",
     )
     parser.add_argument("--view", metavar="NAME", help="which view to take of a file of several")
+    for name, what in (("world", "x, y, z"), ("pixels", "r, c")):
+        parser.add_argument(
+            f"--{name}", metavar="FILE", help=f"{what} where they stand in two files (no POINTS)"
+        )
     camera = parser.add_argument_group("camera")
     camera.add_argument("--setup", metavar="FILE.toml", help="camera position, image size, priors")
     camera.add_argument(
@@ -160,7 +166,9 @@ def points(options: argparse.Namespace) -> Correspondences:
     from bayescal.points.setup import load_setup
 
     setup = load_setup(options.setup) if options.setup is not None else None
-    found = thesis() if options.points is None else load(options.points, columns=options.columns)
+    source, second = _files(options)
+    how = {"columns": options.columns, "view": options.view, "pixels": second}
+    found = thesis() if source is None else load(source, **how)
     base = setup if setup is not None else found.setup
     flags: dict[str, Any] = {
         "position": tuple(options.camera_position) if options.camera_position else None,
@@ -173,6 +181,18 @@ def points(options: argparse.Namespace) -> Correspondences:
         assumed = tuple(name for name in base.assumed if name not in changes)
         base = dataclasses.replace(base, **changes, assumed=assumed)
     return dataclasses.replace(found, setup=base)
+
+
+def _files(options: argparse.Namespace) -> tuple[str | None, str | None]:
+    """Name the file of the points, or those of their world coordinates and of their pixels."""
+    pair = (options.world, options.pixels)
+    if pair == (None, None):
+        if options.points is None and (options.columns or options.view):
+            raise InputError("--columns and --view are of a file; name it")
+        return options.points, None
+    if None in pair or options.points is not None:
+        raise InputError("give --world and --pixels together, and no other file of points")
+    return pair
 
 
 def is_run(options: argparse.Namespace, settled: tuple[str, ...]) -> bool:
@@ -193,7 +213,6 @@ def is_run(options: argparse.Namespace, settled: tuple[str, ...]) -> bool:
         return False
     from pathlib import Path
 
-    from bayescal.errors import InputError
     from bayescal.files import RESULT
 
     folder = Path(options.points)

@@ -62,7 +62,7 @@ def check_file(options: argparse.Namespace, path: Path) -> None:
 
     check_free(path, force=options.force)
     place = path.resolve()
-    for name in ("points", "setup", "like"):
+    for name in ("points", "setup", "like", "world", "pixels"):
         given = getattr(options, name, None)
         if given in (None, "", "-"):
             continue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from bayescal.errors import InputError
 from bayescal.points.sniffing import SEPARATORS, TextTable, to_float
@@ -31,10 +31,11 @@ KNOWN = (*REQUIRED, *TEXTS, *SIGMAS)
 
 @dataclass(frozen=True)
 class Columns:
-    """Columns of a kind of table: those it must have, and all it may have."""
+    """Columns of a kind of table: those it must have, all it may have, and more names of some."""
 
     required: tuple[str, ...]
     known: tuple[str, ...]
+    also: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def match_columns(
@@ -54,13 +55,13 @@ def match_columns(
     InputError
         Where one that is required is missing or ambiguous, or a stated one is not there.
     """
-    index = _stated(table, stated or {}, columns)
+    index = _stated(table, stated or _photogrammetric(table, columns), columns)
     if table.named:
-        plain = [_plain(name) for name in table.header]
-        for find in (_ours, _alias):
+        for ours in (True, False):
             for quantity in columns.known:
                 if quantity not in index:
-                    found = find(table, quantity, plain, set(index.values()))
+                    names = (quantity.replace("_", ""),) if ours else _aliases(quantity, columns)
+                    found = _named(table, quantity, names, set(index.values()))
                     if found is not None:
                         index[quantity] = found
         free = "label" in columns.known and "label" not in index and 0 not in index.values()
@@ -113,35 +114,35 @@ def _stated(table: TextTable, stated: Mapping[str, str], columns: Columns) -> di
     return index
 
 
-def _ours(table: TextTable, quantity: str, plain: list[str], taken: set[int]) -> int | None:
-    """Find the column that bears our own name; None where none does."""
-    own = quantity.replace("_", "")
-    found = [i for i, name in enumerate(plain) if name == own and i not in taken]
-    if len(found) > 1:
+def _photogrammetric(table: TextTable, columns: Columns) -> dict[str, str]:
+    """Columns of a header that calls the world X, Y, Z and the image x, y."""
+    names = {"x": "X", "y": "Y", "z": "Z", "r": "x", "c": "y"}
+    if set(names) <= set(columns.known) and set(names.values()) <= set(table.header):
+        return names
+    return {}
+
+
+def _named(table: TextTable, quantity: str, names: tuple[str, ...], taken: set[int]) -> int | None:
+    """Find the column that bears one of the names of a quantity; None where none does."""
+    found = [i for i, own in enumerate(table.header) if _plain(own) in names and i not in taken]
+    if len(found) < 2 or quantity not in REQUIRED:
+        return found[0] if found else None
+    where, header = table.where(table.line), [table.header[i] for i in found]
+    if header[0].lower() == header[1].lower():
         raise InputError(
-            f"{table.where(table.line)}: column {quoted(quantity)} stands twice; keep one, or say "
-            f"which is which, such as --columns x={found[0] + 1},r={found[1] + 1}"
+            f"{where}: column {quoted(header[0])} stands twice; keep one, or say which by its "
+            f"number: --columns {quantity}={found[0] + 1}"
         )
-    return found[0] if found else None
+    raise InputError(
+        f"{where}: columns {quoted(header[0])} and {quoted(header[1])} could both be {quantity}; "
+        f"say which: --columns {quantity}={header[0]}"
+    )
 
 
-def _alias(table: TextTable, quantity: str, plain: list[str], taken: set[int]) -> int | None:
-    """Find the column that bears another usual name; None where none does."""
-    names = _aliases(quantity)
-    found = [i for i, name in enumerate(plain) if name in names and i not in taken]
-    if len(found) > 1 and quantity in REQUIRED:
-        both = " and ".join(quoted(table.header[i]) for i in found[:2])
-        raise InputError(
-            f"{table.where(table.line)}: columns {both} could both be {quantity}; say which: "
-            f"--columns {quantity}={table.header[found[0]]}"
-        )
-    return found[0] if found else None
-
-
-def _aliases(quantity: str) -> tuple[str, ...]:
+def _aliases(quantity: str, columns: Columns) -> tuple[str, ...]:
     """Plain names of a quantity other than our own."""
     if quantity not in SIGMAS:
-        return ALIASES.get(quantity, ())
+        return ALIASES.get(quantity, ()) + tuple(columns.also.get(quantity, ()))
     axis = quantity[-1]
     names = (axis, *ALIASES[axis])
     return tuple(f"{word}{name}" for word in ("sigma", "sd", "std") for name in names)

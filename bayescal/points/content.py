@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO
 
@@ -20,6 +20,7 @@ class Content:
 
     name: str
     raw: bytes
+    path: Path | None = None
 
     def text(self) -> str:
         """Decode the bytes; refuse what is no UTF-8 text."""
@@ -55,7 +56,7 @@ def read_file(path: str | Path, what: str, limit: int = LARGEST_TABLE) -> Conten
     """
     try:
         with Path(path).open("rb") as stream:
-            return _bounded(str(path), stream, what, limit)
+            return replace(_bounded(str(path), stream, what, limit), path=Path(path))
     except InputError:
         raise
     except (OSError, ValueError) as error:

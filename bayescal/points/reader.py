@@ -6,43 +6,57 @@ import dataclasses
 import hashlib
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
+
+import numpy as np
 
 from bayescal.errors import InputError
 from bayescal.points.columns import KNOWN, REQUIRED, SIGMAS, Columns, parse_stated
+from bayescal.points.content import Content, read_content
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.exports import colmap, parquet, qgis, spreadsheet
+from bayescal.points.frames import frame_table, is_frame
+from bayescal.points.pairs import read_pair
 from bayescal.points.setup import AXES, Setup, load_setup
-from bayescal.points.table import Rows, number, read_bytes, read_rows
-from bayescal.points.text import decode, quoted
+from bayescal.points.table import Rows, number, read_rows, rows_of
+from bayescal.points.text import quoted
 from bayescal.rounding import counted
 
+# In the order they are asked; a table of text is what remains.
+EXPORTS = (spreadsheet, parquet, qgis, colmap)
 COLUMNS = Columns(REQUIRED, KNOWN)
 
 
 def load(
-    source: str | Path,
+    source: Any,
     setup: Setup | str | Path | None = None,
     *,
     columns: str | Mapping[str, str] | None = None,
     view: str | None = None,
+    pixels: str | Path | None = None,
 ) -> Correspondences:
-    """Read correspondences from a table with a header.
+    """Read correspondences from a file or a data frame.
 
     Parameters
     ----------
-    source : str or Path
-        The file, or ``"-"`` for standard input. Columns ``x, y, z, r, c`` and
-        optionally ``label, group``, ``sigma_r, sigma_c`` (px) and ``sigma_x, sigma_y,
-        sigma_z`` (world units), in any order and case, or under names such as
-        ``E, N, h`` and ``col, row``; separated by commas, tabs, semicolons or blanks;
-        with decimal points or commas. Lines that start with ``#`` are comments. UTF-8,
-        with or without a BOM. What is assumed beyond our own names stands in the
-        result's ``notes``.
+    source : str, Path, DataFrame or array_like
+        A file, ``"-"`` for standard input, a data frame, or an array of x, y, z, r, c,
+        ``(n_points, 5)``. Columns ``x, y, z, r, c`` and optionally ``label, group``,
+        ``sigma_r, sigma_c`` (px) and ``sigma_x, sigma_y, sigma_z`` (world units), in any
+        order and case, or under names such as ``E, N, h`` and ``col, row``. In text they
+        are separated by commas, tabs, semicolons or blanks, with decimal points or
+        commas; lines that start with ``#`` are comments. Files of other programs are
+        known by their content (docs/files.md). What is assumed beyond our own names
+        stands in the result's ``notes``.
     setup : Setup or str or Path, optional
         What is known of the camera, or the TOML file that says it.
     columns : str or mapping, optional
         Names or numbers of columns, such as ``"x=E,y=N,z=h,r=u,c=v"``.
     view : str, optional
         Which view to take of a file that holds several.
+    pixels : str or Path, optional
+        A second file that holds the pixels, where `source` has world points alone; put
+        together by label, else by order.
 
     Returns
     -------
@@ -51,14 +65,63 @@ def load(
     Raises
     ------
     InputError
-        Where the file can't be used; the message names its line.
+        Where the source can't be used; the message names the line.
     """
-    name, raw = read_bytes(source)
-    camera = setup if isinstance(setup, Setup) or setup is None else load_setup(setup)
     stated = parse_stated(columns) if isinstance(columns, str) else columns
-    found = read_rows(name, decode(name, raw), COLUMNS, stated)
-    points = points_of(name, found, camera, view)
-    return dataclasses.replace(points, sha256=hashlib.sha256(raw).hexdigest())
+    camera = load_setup(setup) if isinstance(setup, str | Path) else setup
+    if not isinstance(camera, Setup | None):
+        raise InputError(f"setup must be a Setup or a TOML file, not {_kind(camera)}")
+    if not isinstance(source, str | Path):
+        return _in_memory(source, camera, stated, view)
+    content = read_content(source, "a points file")
+    digest, second = hashlib.sha256(content.raw), None
+    if pixels is not None:
+        second = read_content(pixels, "a file of pixels")
+        digest.update(second.raw)
+        name, found, own = second.name, read_pair(content, second, stated, view), None
+    else:
+        name = content.name
+        found, own = _one_file(content, stated, view)
+    points = points_of(name, found, own if camera is None else camera, view)
+    return dataclasses.replace(points, sha256=digest.hexdigest())
+
+
+def _one_file(
+    content: Content, stated: Mapping[str, str] | None, view: str | None
+) -> tuple[Rows, Setup | None]:
+    """Read a file by the first format that recognises it, else as a table of text."""
+    for module in EXPORTS:
+        if module.recognises(content):
+            found = module.read(content, view)
+            rows = rows_of(found.table, COLUMNS, stated)
+            return Rows(rows.rows, (*found.notes, *rows.notes)), found.setup
+    return read_rows(content.name, content.text(), COLUMNS, stated), None
+
+
+def _in_memory(
+    source: object, setup: Setup | None, stated: Mapping[str, str] | None, view: str | None
+) -> Correspondences:
+    """Take points from a data frame or an array."""
+    if is_frame(source):
+        name = type(source).__name__
+        found = rows_of(frame_table(source, name), COLUMNS, stated)
+        return dataclasses.replace(points_of(name, found, setup, view), lines=None)
+    try:
+        table = np.asarray(source, dtype=float)
+    except (TypeError, ValueError):
+        table = np.empty(0)
+    if table.ndim != 2 or table.shape[1] != 5:
+        raise InputError(
+            f"points must be Correspondences, a file, a data frame or an array (n_points, 5) of "
+            f"x, y, z, r, c, not {_kind(source)}"
+        )
+    return Correspondences.from_arrays(table[:, :3], table[:, 3:], setup=setup)
+
+
+def _kind(value: object) -> str:
+    """Name a value's type, and its shape where it has one."""
+    shape = getattr(value, "shape", None)
+    return type(value).__name__ + (f" of shape {shape}" if shape is not None else "")
 
 
 def points_of(name: str, found: Rows, setup: Setup | None, view: str | None) -> Correspondences:
@@ -103,7 +166,7 @@ def _one_view(name: str, found: Rows, view: str | None) -> Rows:
     views = list(dict.fromkeys(row.fields["view"] for row in found.rows))
     if view is not None and view not in views:
         raise InputError(f"{name}: holds no view {quoted(view)}, but {quoted(', '.join(views))}")
-    if view is not None:
+    if view is not None and len(views) > 1:
         kept = tuple(row for row in found.rows if row.fields["view"] == view)
         return Rows(kept, (*found.notes, f"of {counted(len(views), 'view')}, {view} is taken"))
     if len(views) > 1:

@@ -160,7 +160,7 @@ def _comment_header(line: str, separator: str) -> tuple[str, ...]:
 
 def _is_data(fields: tuple[str, ...]) -> bool:
     """Whether a line holds numbers rather than names."""
-    return 2 * sum(map(_is_number, fields)) > len(fields)
+    return 2 * sum(map(_is_number, fields)) >= len(fields)
 
 
 def _is_number(text: str) -> bool:

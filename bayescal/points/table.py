@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from bayescal.errors import InputError
-from bayescal.points.columns import PIXEL_SIGMAS as PIXEL_SIGMAS
-from bayescal.points.columns import TEXTS, WORLD_SIGMAS, Columns, match_columns, reading_note
+from bayescal.points.columns import (
+    PIXEL_SIGMAS,
+    TEXTS,
+    WORLD_SIGMAS,
+    Columns,
+    match_columns,
+    reading_note,
+)
 from bayescal.points.content import read_content
 from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
 from bayescal.points.sniffing import TextTable, parse_table, with_points
@@ -71,11 +77,6 @@ def rows_of(table: TextTable, columns: Columns, stated: Mapping[str, str] | None
         for row in table.rows
     )
     return Rows(tuple(rows), reading_note(table, index, decimal_commas=commas))
-
-
-def rows(name: str, text: str, columns: Columns) -> Iterator[Row]:
-    """Yield the rows of `read_rows`, where nobody asks what was assumed."""
-    yield from read_rows(name, text, columns).rows
 
 
 def number(name: str, row: Row, column: str) -> float:

@@ -135,7 +135,7 @@ BAD = {
     "line of 10 MB": (f"{HEADER}\n{'1' * 10_000_000}\n", ":2: field larger than field limit"),
     "two sets of pixels": ("x,y,z,u,v,px\n1,2,3,4,5,6\n", ":1: columns 'u' and 'px' could both be"),
     "world and image x": (
-        "X,Y,Z,x,y\n1,2,3,4,5\n",
+        "x,y,z,X,Y\n1,2,3,4,5\n",
         ":1: column 'x' stands twice; keep one, or say",
     ),
     "several views": ("view,x,y,z,r,c\na,1,2,3,4,5\nb,1,2,3,4,5\n", "2 views, 'a, b'; choose one"),

@@ -140,7 +140,10 @@ def test_image_size_in_columns(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("edit", "message"),
     [
-        (lambda t: t.replace("view,", "shot,"), r":2: no column 'view'; the header must name view"),
+        (
+            lambda t: t.replace("view,", "shot,"),
+            r":2: no column 'view' among 'shot,x,y,z,r,c'; name",
+        ),
         (lambda t: "\n".join(t.splitlines()[:5]), r":3: view '1' has 3 points; a pose takes"),
         (lambda t: t + t.splitlines()[2] + "\n", r":39: view '1' has the point \(0, 0, 0\) twice"),
         (lambda t: t.replace("\n1,0,0,0,200", "\n1,0,0,0,nan"), r":3: r: is nan; every point"),

@@ -7,6 +7,7 @@ deviations only compare the points.
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import re
 
@@ -14,8 +15,9 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
+from bayescal.points.columns import PIXEL_SIGMAS, Columns
 from bayescal.points.formats.source import Source
-from bayescal.points.table import PIXEL_SIGMAS, Columns, Row, number, rows
+from bayescal.points.table import Row, number, read_rows
 from bayescal.points.text import decode, quoted
 from bayescal.points.views import Views
 
@@ -44,7 +46,8 @@ def read(source: Source) -> Views:
     source.refuse_board()
     name = source.name
     text = decode(name, source.raw)
-    found = list(rows(name, text, COLUMNS))
+    table = read_rows(name, text, COLUMNS)
+    found = list(table.rows)
     if not found:
         raise InputError(f"{name}: there are no points below the header; add views of at least 4")
     for row in found:
@@ -55,7 +58,7 @@ def read(source: Source) -> Views:
     if len(sds) == 1:
         raise InputError(f"{name}: has {sds[0]} alone; give both {' and '.join(PIXEL_SIGMAS)}")
     width, height = _size(name, text, found)
-    return Views.from_rows(
+    views = Views.from_rows(
         [row.fields["view"] for row in found],
         _numbers(name, found, ("x", "y", "z")),
         _numbers(name, found, ("r", "c")),
@@ -68,6 +71,7 @@ def read(source: Source) -> Views:
         lines=[row.line for row in found],
         sha256=hashlib.sha256(source.raw).hexdigest(),
     )
+    return dataclasses.replace(views, notes=(*views.notes, *table.notes))
 
 
 def _numbers(name: str, found: list[Row], columns: tuple[str, ...]) -> Array:
