@@ -7,7 +7,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import main
-from bayescal.report.families_document import families_schema
+from bayescal.report.document.shared import schema
 
 
 def run(capsys, *arguments):
@@ -28,7 +28,7 @@ def test_compare_across_families(capsys, tmp_path):
     assert "Verdict across families: " in out
     assert "Summed over families and orders, a free camera position has" in " ".join(out.split())
     document = json.loads((folder / "result.json").read_text())
-    jsonschema.validate(document, families_schema())
+    jsonschema.validate(document, schema("families"))
     models = document["families"]["models"]
     assert len(models) == 4
     assert sum(m["probability"] for m in models) == pytest.approx(1)

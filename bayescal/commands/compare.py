@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from bayescal.commands import options as shared
-from bayescal.commands.families import add_families, deliver_families, families_of
+from bayescal.commands.families import add_families, families_of
 from bayescal.commands.output import add_output, check_output, deliver
 from bayescal.errors import InputError
 
@@ -70,4 +70,4 @@ def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     with shared.Progress(options, 2 * len(asked["families"])) as progress:
         result = compare_families(points, progress=progress, **asked, **given)
-    return deliver_families(options, result, families_view)
+    return deliver(options, result, families_view)

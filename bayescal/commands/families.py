@@ -1,18 +1,13 @@
-"""What the commands that work on models of r and c together share: options and output."""
+"""What the commands that work on models of r and c together share: options."""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import code_of, publish
 from bayescal.errors import InputError
-
-if TYPE_CHECKING:
-    from bayescal.comparison.families.results import FamilyComparison
 
 
 def add_families(parser: argparse.ArgumentParser, *, several: bool) -> None:
@@ -75,25 +70,3 @@ def words(known: tuple[str, ...]) -> Callable[[str], list[str]]:
         return list(dict.fromkeys(found))
 
     return parse
-
-
-def deliver_families(
-    options: argparse.Namespace,
-    result: FamilyComparison,
-    view: Callable[[FamilyComparison], Any],
-) -> int:
-    """Write and print a comparison of joint models; return the exit code."""
-
-    def text() -> str:
-        from bayescal.report.facts import dumps
-        from bayescal.report.families_document import families_document
-
-        return dumps(families_document(result, options.command_line))
-
-    def write(folder: Path, text: str) -> None:
-        from bayescal.report.families_run import write_families
-
-        write_families(folder, result, text, force=options.force)
-
-    publish(options, text, write, lambda: view(result))
-    return code_of(sound=result.sound)

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from bayescal.commands import options as shared
-from bayescal.commands.families import add_families, deliver_families
+from bayescal.commands.families import add_families
 from bayescal.commands.output import add_output, check_file, check_output, deliver
 from bayescal.errors import InputError
 
@@ -93,7 +93,7 @@ def _joint(options: argparse.Namespace) -> int:
         radial=options.radial or "even",
         **shared.settings(options),
     )
-    code = deliver_families(options, result, joint_fit_view)
+    code = deliver(options, result, joint_fit_view)
     if options.opencv is not None:
         from bayescal.report.opencv import save_opencv
 

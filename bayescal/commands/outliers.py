@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import add_output, check_output, code_of, publish
+from bayescal.commands.output import add_output, check_output, deliver
 
 HELP = "find bad points, and whether the order depends on them"
 DESCRIPTION = (
@@ -47,18 +46,6 @@ def run(options: argparse.Namespace) -> int:
             progress=progress.named,
             **shared.settings(options),
         )
-    from bayescal.report.facts import dumps
-    from bayescal.report.outliers import outliers_document, outliers_view
+    from bayescal.report.outliers import outliers_view
 
-    def write(folder: Path, text: str) -> None:
-        from bayescal.report.outliers_run import write_outliers
-
-        write_outliers(folder, study, text, force=options.force)
-
-    publish(
-        options,
-        lambda: dumps(outliers_document(study, options.command_line)),
-        write,
-        lambda: outliers_view(study, everything=options.all),
-    )
-    return code_of(sound=study.sound)
+    return deliver(options, study, lambda found: outliers_view(found, everything=options.all))

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
-    from bayescal.comparison.results import Comparison
+    from bayescal.files import FolderKind
+    from bayescal.report.run.kind import Kind
 
 DONE, BAD_INPUT, NOT_SOUND = 0, 2, 3
 
@@ -75,61 +76,64 @@ def _of_run(place: Path, folder: Path) -> bool:
     """Whether a path within a folder belongs to a run there."""
     from fnmatch import fnmatch
 
-    from bayescal.report.run import RUN
+    from bayescal.report.run.folder import RUN
 
     name = place.relative_to(folder).parts[0]
     return any(fnmatch(name, pattern) for pattern in (RUN.marker, *RUN.contents))
 
 
-def check_json(options: argparse.Namespace) -> None:
-    """Refuse a document that can't be written before anything is computed."""
-    if options.json not in (None, "-"):
-        check_file(options, Path(options.json))
+def check_output(options: argparse.Namespace, folder: FolderKind | None = None) -> None:
+    """Refuse output that can't be written before anything is computed.
 
+    Parameters
+    ----------
+    options : argparse.Namespace
+    folder : FolderKind, optional
+        What --out is; a run by default.
+    """
+    document = None if options.json in (None, "-") else Path(options.json)
+    if document is not None:
+        check_file(options, document)
+    if options.out is None:
+        return
+    from bayescal.files import check_folder
+    from bayescal.report.run.folder import RUN
 
-def check_output(options: argparse.Namespace) -> None:
-    """Refuse output that can't be written before anything is computed."""
-    check_json(options)
-    check_nested(options)
-    if options.out is not None:
-        from bayescal.report.run import check_run
-
-        check_run(Path(options.out), force=options.force)
-
-
-def check_nested(options: argparse.Namespace) -> None:
-    """Refuse a document inside the folder that holds it anyway."""
-    if options.out is not None and options.json not in (None, "-"):
-        folder, document = Path(options.out).absolute(), Path(options.json).absolute()
-        if folder == document or folder in document.parents:
-            raise InputError(
-                f"{options.json}: lies in --out, which holds the document anyway; drop --json"
-            )
+    place = Path(options.out)
+    if document is not None and place.absolute() in (
+        document.absolute(),
+        *document.absolute().parents,
+    ):
+        raise InputError(
+            f"{options.json}: lies in --out, which holds the document anyway; drop --json"
+        )
+    check_folder(place, folder or RUN, force=options.force)
 
 
 def publish(
     options: argparse.Namespace,
-    text: Callable[[], str],
-    write: Callable[[Path, str], None] | None,
-    view: Callable[[], Any],
+    result: Any,
+    view: Callable[[Any], Any],
+    kind: Kind[Any] | None = None,
 ) -> None:
     """Write and print whatever was asked for of a result.
 
     Parameters
     ----------
     options : argparse.Namespace
-    text : callable
-        Makes the document's text.
-    write : callable or None
-        Given a folder's path and that text, writes the folder; None where there is none.
+    result : Any
     view : callable
         Makes what the terminal shows.
+    kind : Kind, optional
+        Of the result, where it is none that runs hold.
     """
-    folder = None if write is None else options.out
-    if options.json is not None or folder is not None:
-        made = text()
-        if write is not None and folder is not None:
-            write(Path(folder), made)
+    if options.json is not None or options.out is not None:
+        from bayescal.report.runs import kind_of
+
+        kind = kind or kind_of(result)
+        made = kind.text(result, options.command_line)
+        if options.out is not None:
+            kind.write(Path(options.out), result, made, force=options.force)
         if options.json == "-":
             sys.stdout.write(made)
         elif options.json is not None:
@@ -139,31 +143,12 @@ def publish(
     if not options.quiet and options.json != "-":
         from bayescal.report.render import render
 
-        sys.stdout.write(render(view(), terminal=sys.stdout.isatty()))
+        sys.stdout.write(render(view(result), terminal=sys.stdout.isatty()))
 
 
-def deliver(
-    options: argparse.Namespace, result: Comparison, view: Callable[[Comparison], Any]
-) -> int:
-    """Write and print a comparison; return the exit code."""
-
-    def text() -> str:
-        from bayescal.report.document import document
-        from bayescal.report.facts import dumps
-
-        return dumps(document(result, options.command_line))
-
-    def write(folder: Path, text: str) -> None:
-        from bayescal.report.comparison_run import write_comparison
-
-        write_comparison(folder, result, text, force=options.force)
-
-    publish(options, text, write, lambda: view(result))
-    return exit_code(result)
-
-
-def exit_code(result: Comparison) -> int:
-    """Say where draws or an evidence can't be trusted, and give the exit code."""
+def deliver(options: argparse.Namespace, result: Any, view: Callable[[Any], Any]) -> int:
+    """Publish a result that may be unsound; give the exit code."""
+    publish(options, result, view)
     return code_of(sound=result.sound)
 
 

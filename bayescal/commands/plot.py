@@ -102,9 +102,9 @@ def _of_families(options: argparse.Namespace, reopened: bool) -> tuple[Figure, s
     for name in ("axis", "order"):
         if getattr(options, name) is not None:
             raise InputError(f"{kind.name} is of r and c together; leave out --{name}")
-    from bayescal.report.families_run import open_families
+    from bayescal.report.kinds.families import FAMILIES
 
-    found = open_families(options.points)
+    found = FAMILIES.open(Path(options.points))
     return kind.draw(found), kind.alt_text(found), found.sound
 
 
@@ -148,6 +148,6 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
 
 
 def _reopened(kind: FigureKind, options: argparse.Namespace) -> Comparison:
-    from bayescal.report.comparison_run import open_comparison
+    from bayescal.report.kinds.comparison import COMPARISON
 
-    return open_comparison(options.points, defend=kind.needs_defence)
+    return COMPARISON.open(Path(options.points), defend=kind.needs_defence)

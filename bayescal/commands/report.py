@@ -118,27 +118,24 @@ def _of_another_run(
     options: argparse.Namespace, asked: dict[str, Any] | None
 ) -> tuple[Page, list[str], bool] | None:
     """Make the page of a run that is no comparison of orders; None where it is one."""
-    from bayescal.report.families_document import SCHEMA as FAMILIES
-    from bayescal.report.outliers import SCHEMA as OUTLIERS
+    from bayescal.report.kinds.comparison import COMPARISON
+    from bayescal.report.kinds.families import FAMILIES
+    from bayescal.report.kinds.outliers import OUTLIERS
     from bayescal.report.page.page import families_page, study_page
-    from bayescal.report.run_files import schema_of
+    from bayescal.report.runs import kind_at
 
-    schema, place = schema_of(Path(options.points)), options.points
-    if schema not in (FAMILIES, OUTLIERS):
+    place = Path(options.points)
+    kind = kind_at(place)
+    if kind is COMPARISON:
         return None
     if options.outliers or asked is not None:
         what, of = ("--outliers", OUTLIERS) if options.outliers else ("--family", FAMILIES)
-        about = "which the page is about anyway" if schema == of else "which holds nothing else"
-        kind = "outliers" if schema == OUTLIERS else "families"
-        raise InputError(f"{place}: is a run of {kind}, {about}; leave out {what}")
-    if schema == FAMILIES:
-        from bayescal.report.families_run import open_families
-
-        found = open_families(place)
+        about = "which the page is about anyway" if kind is of else "which holds nothing else"
+        raise InputError(f"{place}: is a run of {kind.name}, {about}; leave out {what}")
+    if kind is FAMILIES:
+        found = FAMILIES.open(place)
         return families_page(found, options.command_line), [found.verdict.text], found.sound
-    from bayescal.report.outliers_run import open_outliers
-
-    study = open_outliers(place)
+    study = OUTLIERS.open(place)
     lines = [f"{name}: {axis.verdict}" for name, axis in study.axes.items()]
     return study_page(study, options.command_line), lines, study.sound
 
@@ -207,6 +204,6 @@ def _compared(options: argparse.Namespace) -> Comparison:
 
 
 def _reopened(options: argparse.Namespace) -> Comparison:
-    from bayescal.report.comparison_run import open_comparison
+    from bayescal.report.kinds.comparison import COMPARISON
 
-    return open_comparison(options.points, defend=True)
+    return COMPARISON.open(Path(options.points), defend=True)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import DONE, add_output, check_json, publish
+from bayescal.commands.output import DONE, add_output, check_output, publish
 
 HELP = "the thesis's own procedure, as written and as coded"
 DESCRIPTION = (
@@ -63,16 +62,11 @@ def sigma(text: str) -> float | str:
 
 def run(options: argparse.Namespace) -> int:
     """Reproduce, print and write; return the exit code."""
-    from bayescal.report.facts import dumps
-    from bayescal.reproduction.document import reproduction_document
+    from bayescal.reproduction.kind import FOLDER, REPRODUCTION
     from bayescal.reproduction.procedure import reproduce
     from bayescal.reproduction.tables import reproduction_view
 
-    check_json(options)
-    if options.out is not None:
-        from bayescal.reproduction.run import check_reproduction
-
-        check_reproduction(Path(options.out), force=options.force)
+    check_output(options, FOLDER)
     result = reproduce(
         shared.points(options),
         significance=options.significance,
@@ -80,16 +74,5 @@ def run(options: argparse.Namespace) -> int:
         sigma=options.sigma,
         common=options.common,
     )
-
-    def write(folder: Path, text: str) -> None:
-        from bayescal.reproduction.run import write_reproduction
-
-        write_reproduction(folder, result, text, force=options.force)
-
-    publish(
-        options,
-        lambda: dumps(reproduction_document(result, options.command_line)),
-        write,
-        lambda: reproduction_view(result),
-    )
+    publish(options, result, reproduction_view, REPRODUCTION)
     return DONE

@@ -1,9 +1,8 @@
-"""Adequacy tests of an axis for a terminal and for the result document."""
+"""Adequacy tests of an axis for a terminal."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 from rich import box
 from rich.console import Group, RenderableType
@@ -81,24 +80,6 @@ def adequacy_lines(tests: Sequence[AdequacyTest]) -> list[str]:
         listed = "; ".join(f"{', '.join(names)} ({why})" for why, names in reasons.items())
         lines.append(f"Not tested: {listed}.")
     return lines
-
-
-def adequacy_rows(tests: Sequence[AdequacyTest]) -> list[dict[str, Any]]:
-    """Give tests as JSON values: what can't be had is None, never NaN."""
-    return [
-        {
-            "name": test.name,
-            "statistic": test.statistic,
-            "value": test.value,
-            "dof": None if test.dof is None else list(test.dof),
-            "p_value": test.p_value,
-            "p_adjusted": test.p_adjusted,
-            "concern": test.concern,
-            "meaning": test.meaning,
-            "parts": adequacy_rows(test.parts),
-        }
-        for test in tests
-    ]
 
 
 def _applies(test: AdequacyTest) -> bool:

@@ -1,8 +1,6 @@
-"""The defence of a verdict, for a terminal and for the result document."""
+"""The defence of a verdict, for a terminal."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from rich.console import Group, RenderableType
@@ -11,12 +9,12 @@ from rich.text import Text
 from bayescal.comparison.defence.argument import SMALL_SAMPLE
 from bayescal.comparison.defence.defence import Defence, Prediction
 from bayescal.comparison.defence.sensitivity import TauSensitivity
-from bayescal.comparison.defence.stability import Bootstrap, Removal, joint_probabilities
+from bayescal.comparison.defence.stability import joint_probabilities
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
-from bayescal.report.other_noises import noises_document, noises_table, other_noise_lines
+from bayescal.report.other_noises import noises_table, other_noise_lines
 from bayescal.report.render import indented, laid_out
 from bayescal.rounding import significant
 
@@ -211,49 +209,3 @@ def joint_table(first: AxisComparison, second: AxisComparison) -> Table | None:
         for k, row in zip(chances[0], joint_probabilities(*chances), strict=True)
     ]
     return Table((corner, *map(Column, heads)), tuple(rows), spare=tuple(heads[::-1]))
-
-
-def defence_document(defence: Defence) -> dict[str, Any]:
-    """Collect a defence's numbers as JSON values."""
-    tau = defence.tau
-    beyond = defence.beyond
-    return {
-        "tau_sensitivity": None
-        if tau is None
-        else {
-            "tau": tau.tau.tolist(),
-            "orders": list(tau.orders),
-            "log_evidence": tau.log_evidence.tolist(),
-            "probability": tau.probability.tolist(),
-            "wins": [{"order": w.order, "tau": [w.lower, w.upper]} for w in tau.wins],
-        },
-        "groups": defence.group_source,
-        "points_that_matter": [_removal(r) for r in defence.points_that_matter],
-        "groups_that_matter": [_removal(r) for r in defence.groups_that_matter],
-        "bootstrap": [_bootstrap(b) for b in defence.resampled],
-        "beyond": None
-        if beyond is None
-        else {
-            "probability": {str(k): p for k, p in beyond.probability.items()},
-            "winner": beyond.winner,
-        },
-        "noises": noises_document(defence.noises),
-        "worth": [
-            {"order": w.order, "largest_px": w.largest, "sd_px": w.sd, "at": w.at}
-            for w in defence.worth
-        ],
-    }
-
-
-def _removal(removal: Removal) -> dict[str, Any]:
-    return {
-        "name": removal.name,
-        "points": removal.size,
-        "order": removal.order,
-        "log_bayes_factor": removal.log_bayes_factor,
-    }
-
-
-def _bootstrap(found: Bootstrap) -> dict[str, Any]:
-    share = {str(k): s for k, s in found.share.items()}
-    return {"unit": found.unit, "resamples": found.resamples, "share": share}

@@ -3,12 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from functools import lru_cache
 
-from threadpoolctl import threadpool_limits
-
-from bayescal.arrays import Array
 from bayescal.comparison.families.results import (
     FamilyComparison,
     JointLeaveOneOut,
@@ -16,12 +11,9 @@ from bayescal.comparison.families.results import (
 )
 from bayescal.comparison.leave_one_out import paired_difference
 from bayescal.comparison.verdict import percent
-from bayescal.comparison.weak import correlation
-from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.inference.sampled_posterior import SampledPosterior
-from bayescal.linear.closed_form import ExactPosterior
-from bayescal.points.setup import AXES
 from bayescal.report.grid import Cell, Column, Table, number_cell
+from bayescal.report.numbers import correlations, exact_parameters
 from bayescal.rounding import rounded, significant
 
 UNITS = {
@@ -117,44 +109,6 @@ def _difference(model: JointModel, best: JointModel) -> Cell:
     return Cell(f"{total:+.1f}{doubt} ({se:.1f})", total)
 
 
-@dataclass(frozen=True)
-class ExactParameter:
-    """A parameter of which the closed form knows all.
-
-    Attributes
-    ----------
-    axis : str
-    name : str
-        As of the sampled models: ``alpha_1``, ``sigma_r``.
-    mean, sd : float
-    interval : tuple of float
-        Central, of probability 0.95.
-    """
-
-    axis: str
-    name: str
-    mean: float
-    sd: float
-    interval: tuple[float, float]
-
-
-def exact_parameters(model: JointModel) -> list[ExactParameter]:
-    """Coefficients and noise of both axes; nothing where there is no closed form."""
-    pairs = zip(AXES, model.exact, strict=False)
-    return [p for axis, posterior in pairs for p in _of_axis(axis, posterior)]
-
-
-@lru_cache(maxsize=64)  # pairs of orders share their axes, and intervals take a while
-def _of_axis(axis: str, posterior: ExactPosterior) -> tuple[ExactParameter, ...]:
-    out = []
-    numbers = zip(*posterior.summary, posterior.intervals(INTERVAL_PROBABILITY), strict=True)
-    for name, (mean, sd, (low, high)) in zip(posterior.model.names, numbers, strict=True):
-        own = name.split("_")[0] == posterior.model.symbol
-        named, interval = name if own else f"{name}_{axis}", (float(low), float(high))
-        out.append(ExactParameter(axis, named, float(mean), float(sd), interval))
-    return tuple(out)
-
-
 def parameters_table(model: JointModel) -> Table:
     """Parameters of a model that was sampled, or that has a closed form."""
     heads = [Column("unit"), Column("mean"), Column("sd"), Column("95% interval", "central")]
@@ -193,12 +147,6 @@ def _summary_cells(
         Cell(significant(sd), sd),
         Cell(f"{rounded(low, sd)} to {rounded(high, sd)}", high - low),
     )
-
-
-def correlations(posterior: SampledPosterior) -> Array:
-    """Correlation matrix of a sampled model's parameters, the same on any number of cores."""
-    with threadpool_limits(1):
-        return correlation(posterior.chain.draws.reshape(-1, len(posterior.names)))
 
 
 def correlation_table(posterior: SampledPosterior) -> Table:

@@ -8,8 +8,8 @@ from bayescal.comparison.families.results import FREE, PINHOLE, FamilyComparison
 from bayescal.comparison.weak import weak_combinations
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.polynomials import bivariate
-from bayescal.report.family_tables import correlations
 from bayescal.report.noise import shape_words
+from bayescal.report.numbers import correlations
 from bayescal.report.tables import p_words
 from bayescal.rounding import counted, significant
 

@@ -1,8 +1,6 @@
-"""The noise of an axis in words and in the result document, whatever it is."""
+"""The noise of an axis in words, whatever it is."""
 
 from __future__ import annotations
-
-from typing import Any
 
 from bayescal.comparison.results import AxisComparison
 from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
@@ -71,18 +69,3 @@ def floor_words(data: AxisData, level: NoiseLevel) -> str:
         f" Robust noise rules out sigma below the rounding of whole pixels, {WHOLE_PIXEL:.2g} px; "
         "above it the prior is the same."
     )
-
-
-def noise_document(axis: AxisComparison) -> dict[str, Any]:
-    """Options and priors of the noise model, for the result document."""
-    noise = axis.noise_model
-    if isinstance(noise, StudentT):
-        prior = {"kind": "gamma", "shape": SHAPE, "rate": RATE}
-        return {"nu": {"kind": "fixed", "value": noise.nu} if noise.nu is not None else prior}
-    if isinstance(noise, OutlierMixture):
-        return {
-            "bad_fraction_bounds": [0.0, noise.largest_fraction],
-            "bad_width_bounds_px": list(noise.width_bounds),
-            "bad_offset": "inferred" if noise.infers_offset else "zero",
-        }
-    return {}

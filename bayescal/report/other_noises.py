@@ -1,8 +1,6 @@
-"""The evidence of the recommended order under other noise: lines, table, result document."""
+"""The evidence of the recommended order under other noise: lines and table."""
 
 from __future__ import annotations
-
-from typing import Any
 
 from bayescal.comparison.defence.noise_evidence import NoiseEvidence, in_words, named
 from bayescal.comparison.results import AxisComparison
@@ -18,33 +16,6 @@ def other_noise_lines(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -
     words = "; ".join(shape_words(named(found.name, axis.data), axis.data) for found in noises)
     same = f"Coefficients and sigma have the priors above.{floor_words(axis.data, axis.noise)}"
     return [f"Other noise: {words}. {same}"]
-
-
-def noises_document(noises: tuple[NoiseEvidence, ...]) -> list[dict[str, Any]]:
-    """Evidence under other noise models, for the result document."""
-    return [
-        {
-            "noise": found.name,
-            "log_evidence": {str(k): v for k, v in found.log_evidence.items()},
-            "log_evidence_error": {str(k): v for k, v in found.error.items()},
-            "warnings": {str(k): list(v) for k, v in found.warnings.items()},
-        }
-        for found in noises
-    ]
-
-
-def noises_from(rows: list[dict[str, Any]]) -> tuple[NoiseEvidence, ...]:
-    """Undo `noises_document`; the posteriors are not kept."""
-    return tuple(
-        NoiseEvidence(
-            row["noise"],
-            {int(k): v for k, v in row["log_evidence"].items()},
-            {int(k): v for k, v in row["log_evidence_error"].items()},
-            {int(k): tuple(v) for k, v in row["warnings"].items()},
-            {},
-        )
-        for row in rows
-    )
 
 
 def noises_table(axis: AxisComparison, noises: tuple[NoiseEvidence, ...]) -> Table:

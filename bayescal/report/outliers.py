@@ -1,11 +1,8 @@
-"""What ``outliers`` prints, and its result document."""
+"""What ``outliers`` prints."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
-from importlib.resources import files
-from typing import Any
 
 from rich.console import Group, RenderableType
 from rich.text import Text
@@ -13,14 +10,11 @@ from rich.text import Text
 from bayescal.comparison.outliers.records import PointRecord
 from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
 from bayescal.comparison.verdict import percent
-from bayescal.report.document import provenance
-from bayescal.report.facts import points_facts
 from bayescal.report.grid import Cell, Column, Table, number_cell
 from bayescal.report.noise import MARK, floor_words
 from bayescal.report.render import indented, laid_out
 from bayescal.rounding import counted
 
-SCHEMA = "bayescal.outliers/1"
 # Points shown of each axis beside the suspicious ones, unless all are asked for.
 SHOWN = 8
 NAME = 14  # characters of a label in a table
@@ -188,105 +182,3 @@ def _treatment(axis: AxisOutliers, treatment: Treatment, orders: list[int]) -> t
         Cell(percent(found.probability[found.order]), found.probability[found.order]),
         Cell(f"{found.total:.1f}", found.total) if whole else Cell(""),
     )
-
-
-def outliers_document(study: OutlierStudy, command: str) -> dict[str, Any]:
-    """Build the result document of an analysis of bad points.
-
-    Parameters
-    ----------
-    study : OutlierStudy
-    command : str
-        How it was asked for, for the provenance.
-
-    Returns
-    -------
-    dict
-        JSON values only.
-    """
-    return {
-        "schema": SCHEMA,
-        "provenance": study.origin or provenance(study.settings, command),
-        "data": points_facts(study.points),
-        "significance": study.significance,
-        "settings": _settings(study),
-        "axes": {name: _axis_document(axis) for name, axis in study.axes.items()},
-    }
-
-
-def _settings(study: OutlierStudy) -> dict[str, Any]:
-    asked, (heavy, mixture) = study.settings, study.noises
-    return {
-        "sigma": asked.sigma,
-        "prior": asked.prior,
-        "tau": asked.tau,
-        "seed": asked.seed,
-        "ess": asked.ess,
-        "nu": heavy.nu,
-        "bad_offset": mixture.infers_offset,
-    }
-
-
-def outliers_schema() -> dict[str, Any]:
-    """JSON Schema of the document of `outliers_document`."""
-    text = files("bayescal.report").joinpath("outliers.schema.json").read_text(encoding="utf-8")
-    loaded: dict[str, Any] = json.loads(text)
-    return loaded
-
-
-def _axis_document(axis: AxisOutliers) -> dict[str, Any]:
-    return {
-        "regressor": axis.data.regressor,
-        "order": axis.order,
-        "sigma": axis.level.source,
-        "points": [
-            {
-                "label": p.label,
-                "number": p.index + 1,
-                "measured_px": p.measured,
-                "predicted_px": p.predicted,
-                "predicted_sd_px": p.predicted_sd,
-                "residual_px": p.residual,
-                "standardised": p.standardised,
-                "leverage": p.leverage,
-                "cook": p.cook,
-                "rejected_at": list(p.rejected_at),
-                "bad_probability": p.bad_probability,
-                "weight": p.weight,
-                "order_without": p.order_without,
-                "log_bayes_factor_without": p.log_bayes_factor_without,
-            }
-            for p in axis.points
-        ],
-        "explanations": list(axis.explanations),
-        "shared": [
-            {
-                "points": list(s.points),
-                "good": list(s.good),
-                "coordinates": s.coordinates,
-                "error_px": s.error,
-                "spread_px": s.spread,
-                "together": s.together,
-                "explained_by": s.explained_by,
-            }
-            for s in axis.shared
-        ],
-        "treatments": [
-            {
-                "name": t.name,
-                "noise": t.evidence.name,
-                "n_points": t.n_points,
-                "log_evidence": {str(k): v for k, v in t.evidence.log_evidence.items()},
-                "log_evidence_error": {str(k): v for k, v in t.evidence.error.items()},
-                "probability": {str(k): v for k, v in t.evidence.probability.items()},
-                "order": t.evidence.order,
-                "log_evidence_all_orders": t.evidence.total
-                if t.n_points == len(axis.data)
-                else None,
-                "warnings": {str(k): list(v) for k, v in t.evidence.warnings.items()},
-                "not_converged": [k for k, p in t.evidence.posteriors.items() if not p.converged],
-            }
-            for t in axis.treatments
-        ],
-        "verdict": axis.verdict,
-    }

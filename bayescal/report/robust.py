@@ -1,20 +1,17 @@
-"""A comparison under robust noise: its table, and what the result document says of it."""
+"""A comparison under robust noise: its table."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
-from bayescal.density.robust_linear import RobustLinearModel
-from bayescal.inference.posterior import Posterior
 from bayescal.noise.outlier_mixture import OutlierMixture
-from bayescal.report.facts import evidence_facts
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
 from bayescal.report.noise import MARK
+from bayescal.report.numbers import point_chances
 from bayescal.rounding import significant
 
 # A point is shown as bad above this probability, and so many of them.
@@ -91,43 +88,13 @@ def _mean(name: str) -> Callable[[OrderResult], Cell]:
 
 def _bad_points(axis: AxisComparison) -> Callable[[OrderResult], Cell]:
     def cell(result: OrderResult) -> Cell:
-        found = bad_probabilities(result)
-        if found is None:
+        found = point_chances(result)
+        if found is None or found.bad is None:
             return Cell("")
-        bad = np.flatnonzero(found > BAD)
-        worst = bad[np.argsort(-found[bad], kind="stable")]
+        bad = np.flatnonzero(found.bad > BAD)
+        worst = bad[np.argsort(-found.bad[bad], kind="stable")]
         labels = [axis.data.labels[i][:8] for i in worst[:SHOWN]]
         more = f" +{len(worst) - SHOWN}" if len(worst) > SHOWN else ""
         return Cell((", ".join(labels) or "none") + more, len(worst))
 
     return cell
-
-
-def bad_probabilities(result: OrderResult) -> np.ndarray[Any, np.dtype[np.float64]] | None:
-    """Posterior probability of each point to be bad; None where the noise has no notion of it."""
-    posterior = result.posterior
-    if isinstance(posterior, Posterior) or not isinstance(posterior.model, RobustLinearModel):
-        return None
-    full = posterior.full.reshape(-1, posterior.full.shape[2])
-    found = posterior.model.bad_probability(full)
-    return None if found is None else np.asarray(found.mean(axis=0))
-
-
-def evidence_document(result: OrderResult) -> dict[str, Any] | None:
-    """Collect what tells whether to trust a sampled evidence; None for a closed form."""
-    posterior = result.posterior
-    return None if isinstance(posterior, Posterior) else evidence_facts(posterior)
-
-
-def points_document(axis: AxisComparison) -> list[dict[str, Any]] | None:
-    """Collect what robust noise says of every point at the recommended order, else None."""
-    posterior = axis.chosen.posterior
-    if isinstance(posterior, Posterior) or not isinstance(posterior.model, RobustLinearModel):
-        return None
-    full = posterior.full.reshape(-1, posterior.full.shape[2])
-    bad, weight = posterior.model.bad_probability(full), posterior.model.weight(full).mean(axis=0)
-    chance = [None] * len(weight) if bad is None else bad.mean(axis=0).tolist()
-    return [
-        {"label": label, "bad_probability": p, "weight": w}
-        for label, p, w in zip(axis.data.labels, chance, weight.tolist(), strict=True)
-    ]

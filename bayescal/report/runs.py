@@ -3,23 +3,41 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.comparison.results import Comparison
-from bayescal.errors import InputError
-from bayescal.report.comparison_run import open_comparison, write_comparison
-from bayescal.report.document import document
-from bayescal.report.facts import dumps
-from bayescal.report.families_document import SCHEMA as FAMILIES
-from bayescal.report.families_document import families_document
-from bayescal.report.families_run import open_families, write_families
-from bayescal.report.outliers import SCHEMA as OUTLIERS
-from bayescal.report.outliers import outliers_document
-from bayescal.report.outliers_run import open_outliers, write_outliers
-from bayescal.report.run_files import is_run, schema_of
+from bayescal.report.kinds.comparison import COMPARISON
+from bayescal.report.kinds.families import FAMILIES
+from bayescal.report.kinds.outliers import OUTLIERS
+from bayescal.report.run.files import document_at
+from bayescal.report.run.kind import RunKind
 
+# A kind is one module in kinds/ and one line here.
+KINDS: tuple[RunKind[Any], ...] = (
+    COMPARISON,  # first: of a folder of no kind it says what is missing
+    FAMILIES,
+    OUTLIERS,
+)
 Result = Comparison | FamilyComparison | OutlierStudy
+
+
+def kind_of(result: object) -> RunKind[Any]:
+    """Find the kind of a result."""
+    return next(kind for kind in KINDS if isinstance(result, kind.result))
+
+
+def kind_at(folder: Path) -> RunKind[Any]:
+    """Find the kind of what a run holds, by its document.
+
+    Raises
+    ------
+    InputError
+        Where the folder is no run.
+    """
+    schema = document_at(folder, KINDS[0].made_by).get("schema")
+    return next((kind for kind in KINDS if kind.schema == schema), KINDS[0])
 
 
 def open_run(folder: str | Path, *, defend: bool | None = None) -> Result:
@@ -48,12 +66,8 @@ def open_run(folder: str | Path, *, defend: bool | None = None) -> Result:
         read, is incomplete, was changed, or says other numbers than computed now.
     """
     place = Path(folder)
-    schema = schema_of(place) if is_run(place) else None
-    if schema not in (FAMILIES, OUTLIERS):  # what is no run at all is refused there
-        return open_comparison(place, defend=defend)
-    if defend is not None:
-        raise InputError(f"{place}: is no comparison of orders, which alone is defended")
-    return open_families(place) if schema == FAMILIES else open_outliers(place)
+    found: Result = kind_at(place).open(place, defend=defend)
+    return found
 
 
 def save_run(result: Result, folder: str | Path, *, force: bool = False) -> None:
@@ -74,10 +88,5 @@ def save_run(result: Result, folder: str | Path, *, force: bool = False) -> None
     OutputError
         Where the run can't be written; nothing is left behind.
     """
-    place, how = Path(folder), "bayescal.save_run"
-    if isinstance(result, FamilyComparison):
-        write_families(place, result, dumps(families_document(result, how)), force=force)
-    elif isinstance(result, OutlierStudy):
-        write_outliers(place, result, dumps(outliers_document(result, how)), force=force)
-    else:
-        write_comparison(place, result, dumps(document(result, how)), force=force)
+    kind = kind_of(result)
+    kind.write(Path(folder), result, kind.text(result, "bayescal.save_run"), force=force)

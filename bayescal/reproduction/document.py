@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import platform
 from collections.abc import Iterable
-from datetime import UTC, datetime
-from importlib.metadata import version
-from importlib.resources import files
 from typing import Any
 
-from bayescal.report.facts import finite, points_facts
+from bayescal.report.document.shared import finite, points_facts, provenance
 from bayescal.reproduction.results import (
     AxisReproduction,
     OrderReproduction,
     Reproduction,
     ThesisFit,
 )
-from bayescal.version import __version__
 
 SCHEMA = "bayescal.reproduction/1"
 PACKAGES = ("numpy", "scipy", "matplotlib")
@@ -41,13 +35,7 @@ def reproduction_document(reproduction: Reproduction, command: str) -> dict[str,
     rule = reproduction.rule
     return {
         "schema": SCHEMA,
-        "provenance": {
-            "bayescal": __version__,
-            "python": platform.python_version(),
-            **{name: version(name) for name in PACKAGES},
-            "command": command,
-            "created": datetime.now(UTC).isoformat(timespec="seconds"),
-        },
+        "provenance": provenance(command, packages=PACKAGES),
         "data": points_facts(reproduction.points),
         "labels": list(reproduction.points.labels),
         "rule": {
@@ -69,17 +57,6 @@ def reproduction_document(reproduction: Reproduction, command: str) -> dict[str,
         },
         "warnings": list(reproduction.warnings),
     }
-
-
-def reproduction_schema() -> dict[str, Any]:
-    """JSON Schema of the document."""
-    text = (
-        files("bayescal.reproduction")
-        .joinpath("reproduction.schema.json")
-        .read_text(encoding="utf-8")
-    )
-    loaded: dict[str, Any] = json.loads(text)
-    return loaded
 
 
 def _order(result: OrderReproduction) -> dict[str, Any]:

@@ -11,7 +11,8 @@ from jsonschema import Draft202012Validator
 import bayescal as bc
 from bayescal.cli import main
 from bayescal.errors import InputError
-from bayescal.report.document import document, schema
+from bayescal.report.document.comparison import comparison_document
+from bayescal.report.document.shared import schema
 from bayescal.report.render import render
 from bayescal.report.terminal import comparison_view
 
@@ -47,8 +48,8 @@ def test_its_defence_is_what_exists_without_a_closed_form(defended):
 
 
 def test_its_document_keeps_the_schema_and_says_what_the_noise_is(defended):
-    found = json.loads(json.dumps(document(defended, "x"), allow_nan=False))
-    Draft202012Validator(schema()).validate(found)
+    found = json.loads(json.dumps(comparison_document(defended, "x"), allow_nan=False))
+    Draft202012Validator(schema("comparison")).validate(found)
     axis = found["axes"]["c"]
     assert axis["noise"]["kind"] == "student-t"
     assert axis["noise"]["nu"] == {"kind": "gamma", "shape": 2.0, "rate": 0.1}

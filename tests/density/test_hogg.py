@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.report.robust import bad_probabilities
+from bayescal.report.numbers import point_chances
 
 # x, y, sigma_y of points 1 to 20.
 TABLE = np.array(
@@ -34,7 +34,7 @@ def test_least_squares_without_the_bad_points_is_the_published_line():
 def test_the_mixture_flags_points_2_3_and_4_and_finds_that_line_with_all_twenty():
     x, y, sd = TABLE.T
     result = bc.fit_polynomial(x, y, 1, sigma=sd, noise="outlier-mixture", ess=1000)
-    flagged = np.flatnonzero(bad_probabilities(result) > 0.5) + 1
+    flagged = np.flatnonzero(point_chances(result).bad > 0.5) + 1
     assert {2, 3, 4} <= set(flagged.tolist()) <= {1, 2, 3, 4}  # point 1 is mild
     assert abs(result.posterior["beta_1"].mean - SLOPE) < SLOPE_SE
     assert abs(result.posterior["beta_0"].mean - INTERCEPT) < INTERCEPT_SE

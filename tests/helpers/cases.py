@@ -19,7 +19,8 @@ from bayescal.noise.level import NoiseLevel
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import MonomialMap
 from bayescal.prior.amplitudes import PriorRule
-from bayescal.report.document import document, dumps
+from bayescal.report.document.comparison import comparison_document
+from bayescal.report.document.shared import dumps
 from bayescal.report.terminal import comparison_view, render
 from tests.helpers.problems import legendre_columns, make_axis
 
@@ -114,7 +115,7 @@ def printed(result: Comparison) -> str:
 
 def result_document(result: Comparison) -> dict:
     """The result document as a reader gets it back."""
-    return json.loads(dumps(document(result, "test")))
+    return json.loads(dumps(comparison_document(result, "test")))
 
 
 def axis_document(axis: AxisComparison) -> dict:

@@ -14,7 +14,8 @@ from jsonschema import Draft202012Validator
 
 import bayescal as bc
 from bayescal.points.setup import StatedPrior
-from bayescal.report.document import document, dumps, schema
+from bayescal.report.document.comparison import comparison_document
+from bayescal.report.document.shared import dumps, schema
 from tests.helpers.points_files import rows
 
 NUMBER, TEXT, TRUTH, WHOLE = (int, float), str, bool, int
@@ -109,7 +110,7 @@ def points(n: int = 20, noise: float = 1.0, **more: Any) -> bc.Correspondences:
 
 def compared(given: bc.Correspondences, **options: Any) -> dict[str, Any]:
     found = bc.compare(given, options.pop("orders", [1, 2]), ess=100, **options)
-    return document(found, "bayescal compare")
+    return comparison_document(found, "bayescal compare")
 
 
 STATED = bc.Setup(
@@ -138,15 +139,15 @@ def case(request: pytest.FixtureRequest) -> tuple[str, dict[str, Any]]:
 
 
 def test_schema_is_one() -> None:
-    Draft202012Validator.check_schema(schema())
+    Draft202012Validator.check_schema(schema("comparison"))
 
 
 def test_documents_obey_the_schema(case: tuple[str, dict[str, Any]]) -> None:
-    Draft202012Validator(schema()).validate(case[1])
+    Draft202012Validator(schema("comparison")).validate(case[1])
 
 
 def test_schema_refuses_documents_that_lack_or_garble_something() -> None:
-    validator = Draft202012Validator(schema())
+    validator = Draft202012Validator(schema("comparison"))
 
     def faults(*path: str | int, value: Any = ...) -> int:
         broken = json.loads(json.dumps(sound))
@@ -241,8 +242,8 @@ def test_what_is_said_of_the_thesis() -> None:
 
 def test_arrays_without_a_camera_have_a_document_too() -> None:
     x = np.linspace(-1, 1, 12)
-    found = document(bc.compare_polynomials(x, np.sin(3 * x), [1, 3], ess=100), "python")
-    Draft202012Validator(schema()).validate(found)
+    found = comparison_document(bc.compare_polynomials(x, np.sin(3 * x), [1, 3], ess=100), "python")
+    Draft202012Validator(schema("comparison")).validate(found)
     conforms(found, DOCUMENT)
     conforms(found["axes"]["y"], AXIS)
     assert found["data"]["camera_position"] is None
@@ -256,11 +257,11 @@ def test_nan_is_never_written() -> None:
 
 def test_joint_probabilities_are_products_that_sum_to_one() -> None:
     """Independent axes: P(r, c) = P(r) P(c); one axis alone has none."""
-    found = document(bc.compare(bc.thesis(), [1, 2, 4], ess=100), "")
+    found = comparison_document(bc.compare(bc.thesis(), [1, 2, 4], ess=100), "")
     joint = found["verdict"]["joint"]
     r, c = ([o["probability"] for o in found["axes"][a]["orders"]] for a in "rc")
     assert joint["orders"] == {"r": [1, 2, 4], "c": [1, 2, 4]}
     assert joint["probability"] == [[p * q for q in c] for p in r]
     assert abs(sum(map(sum, joint["probability"])) - 1) < 1e-12
-    alone = document(bc.compare(bc.thesis(), [1, 2], axis="r", ess=100), "")
+    alone = comparison_document(bc.compare(bc.thesis(), [1, 2], axis="r", ess=100), "")
     assert alone["verdict"]["joint"] is None

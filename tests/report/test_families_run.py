@@ -19,8 +19,8 @@ from bayescal.comparison.families import members
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.camera import StatedCamera
-from bayescal.report.facts import dumps
-from bayescal.report.families_document import families_document, families_schema
+from bayescal.report.document.families import families_document
+from bayescal.report.document.shared import dumps, schema
 from tests.helpers.command import here
 from tests.report.test_spoilt_runs import cut, edit, forge, forged, result
 
@@ -28,7 +28,7 @@ from tests.report.test_spoilt_runs import cut, edit, forge, forged, result
 def test_the_document_of_a_reopened_run_is_the_run_s_to_the_byte(families_run: Path) -> None:
     kept = (families_run / "result.json").read_text(encoding="utf-8")
     assert dumps(families_document(bc.open_run(families_run), "another command")) == kept
-    jsonschema.validate(json.loads(kept), families_schema())
+    jsonschema.validate(json.loads(kept), schema("families"))
 
 
 def test_saved_again_every_file_is_the_same(families_run: Path, tmp_path: Path) -> None:
@@ -153,16 +153,19 @@ SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "another parameter": (
         result((f"{FIRST}.sampling.parameters.0.name", "zoom")),
-        r"the parameters of pinhole 0, position free are not those of its draws",
+        r"parameters of pinhole 0, position free of the run are not .* now: focal_r",
     ),
-    "not sampled": (result((f"{FIRST}.sampling", None)), r"pinhole 0, position free was not"),
+    "not sampled": (
+        result((f"{FIRST}.sampling", None)),
+        r"sampling of pinhole 0, position free is nothing in the run",
+    ),
     "another verdict": (
         result(("verdict.best", "separable (1, 1), position stated")),
-        r"verdict: best is separable \(1, 1\), position stated in the run but pinhole 0",
+        r"the best model is separable \(1, 1\), position stated in the run but pinhole 0",
     ),
     "a model renamed": (
         result((f"{FIRST}.name", "fisheye 1")),
-        r"don't have the same models: fisheye 1",
+        r"models of the run are not those computed now: fisheye 1",
     ),
     "other points": (
         forged("points.csv", lambda p: p.write_text(p.read_text().replace("390", "391", 1))),
@@ -179,7 +182,7 @@ SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
     "no pairs": (result(("settings.pairs", [[1, 2, 3]])), r"result\.json: .*; make it again"),
     "another position": (
         result(("settings.positions", ["free"])),
-        r"don't have the same models: pinhole 0, position stated",
+        r"models of the run are not those computed now: pinhole 0, position stated",
     ),
     "more orders": (
         result(("settings.radial_orders", [0, 1])),
@@ -272,7 +275,7 @@ def test_what_a_fit_prints_stands_in_its_document(tmp_path: Path) -> None:
     done = here("fit", "--family", "separable", *orders, "--json", made)
     assert (done.code, done.err) == (0, "")
     document: dict[str, Any] = json.loads(made.read_text(encoding="utf-8"))
-    jsonschema.validate(document, families_schema())
+    jsonschema.validate(document, schema("families"))
     (model,) = document["families"]["models"]
     assert model["elpd_reliable"] is True
     rows = [line.split() for line in done.out.splitlines() if " to " in line and "." in line]

@@ -10,9 +10,8 @@ import pytest
 import bayescal as bc
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import parse_netcdf
-from bayescal.report.outliers import outliers_document
-from bayescal.report.outliers_run import open_outliers
-from bayescal.report.run import digest
+from bayescal.report.document.outliers import outliers_document
+from bayescal.report.run.folder import digest
 from tests.helpers.command import here
 
 OPTIONS = ("--axis", "c", "--orders", "1-2", "--ess", "200", "--nu", "4")
@@ -28,7 +27,7 @@ def run(tmp_path_factory):
 
 def test_reopened_it_is_the_same(run):
     kept = json.loads((run / "result.json").read_text())
-    made = json.loads(json.dumps(outliers_document(open_outliers(run), "another command")))
+    made = json.loads(json.dumps(outliers_document(bc.open_run(run), "another command")))
     assert made == kept
 
 
@@ -97,11 +96,11 @@ def _changed(run, folder, change):
     [
         (
             lambda d: d["axes"]["c"]["points"][0].update(bad_probability=0.5),
-            "bad_probability of point 16",
+            "probability of being bad of point 16",
         ),
         (
             lambda d: d["axes"]["c"]["treatments"][3]["log_evidence"].update({"1": -150.0}),
-            "log evidence of c, order 1 under the outlier mixture",
+            "log evidence of order 1 of the outlier mixture of c",
         ),
         (lambda d: d["settings"].update(nu=-1.0), "nu must be"),
         (lambda d: d["settings"].pop("tau"), "settings.tau is missing"),
@@ -111,7 +110,7 @@ def _changed(run, folder, change):
 def test_other_numbers_than_computed_are_refused(run, tmp_path, change, words):
     folder = _changed(run, tmp_path / "changed", change)
     with pytest.raises(InputError, match=words):
-        open_outliers(folder)
+        bc.open_run(folder)
 
 
 def test_a_cut_off_file_is_refused(run, tmp_path):

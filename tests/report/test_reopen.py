@@ -18,8 +18,8 @@ from bayescal.commands.options import is_run
 from bayescal.comparison.results import Comparison
 from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.setup import StatedPrior
-from bayescal.report.document import document
-from bayescal.report.facts import dumps
+from bayescal.report.document.comparison import comparison_document
+from bayescal.report.document.shared import dumps
 
 rng = np.random.default_rng(5)
 WORLD = np.column_stack([rng.uniform(-40, 40, (16, 2)), np.repeat([60.0, 80.0, 90.0, 95.0], 4)])
@@ -34,7 +34,7 @@ def points(**more: Any) -> bc.Correspondences:
 
 
 def text(comparison: Comparison) -> str:
-    return dumps(document(comparison, "a command"))
+    return dumps(comparison_document(comparison, "a command"))
 
 
 def test_the_document_of_a_reopened_run_is_the_run_s_to_the_byte(run: Path) -> None:
@@ -71,7 +71,7 @@ def test_a_defence_comes_back_may_be_left_out_and_may_be_added(tmp_path: Path) -
     assert without.origin is None  # no longer what the run holds
     added = bc.open_run(tmp_path / "plain", defend=True)
     assert added.axes["c"].defence is not None
-    found = document(added, "")
+    found = comparison_document(added, "")
     assert found["axes"] == json.loads(kept)["axes"]
 
 

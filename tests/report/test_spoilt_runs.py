@@ -119,16 +119,16 @@ SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "another evidence": (
         result((f"{ORDER}.log_evidence", -1.5), ("provenance.numpy", "1.0")),
-        r"log evidence of c, order 2 is -1\.5 in the run but -1\d\d\.\d+ now: written by "
+        r"log evidence of order 2 of c is -1\.5 in the run but -1\d\d\.\d+ now: written by "
         r"numpy 1\.0, read by numpy 2",
     ),
     "another mean": (
         result((f"{ORDER}.coefficients.2.mean", 1e3)),
-        r"mean of beta_2 of c, order 2 is 1000\.0 in the run but .*: the same versions wrote",
+        r"mean of beta_2 of order 2 of c is 1000\.0 in the run but .*: the same versions wrote",
     ),
     "another verdict": (
         result(("axes.r.verdict.order", 1)),
-        r"order recommended for r is 1 in the run but 2 now",
+        r"recommended order of r is 1 in the run but 2 now",
     ),
 }
 
@@ -179,5 +179,5 @@ def test_rounding_is_no_disagreement(copy: Path) -> None:
     result((f"{ORDER}.log_evidence", value + 5e-7))(copy)
     bc.open_run(copy)
     result((f"{ORDER}.log_evidence", value + 5e-6))(copy)
-    with pytest.raises(bc.InputError, match="log evidence of c, order 2"):
+    with pytest.raises(bc.InputError, match="log evidence of order 2 of c"):
         bc.open_run(copy)

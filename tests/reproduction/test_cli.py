@@ -13,8 +13,8 @@ import bayescal as bc
 from bayescal.cli import main
 from bayescal.errors import OutputError
 from bayescal.files import FolderKind, write_folder
-from bayescal.reproduction.document import reproduction_schema
-from bayescal.reproduction.run import write_reproduction
+from bayescal.report.document.shared import schema
+from bayescal.reproduction.kind import REPRODUCTION
 from tests.helpers.listing import MODELS, listing
 
 FIGURES = [
@@ -113,12 +113,12 @@ def test_common_points_replace_the_warning(capsys):
 
 
 def test_the_document_follows_its_schema(document):
-    schema = reproduction_schema()
-    jsonschema.Draft202012Validator.check_schema(schema)
-    jsonschema.validate(document, schema)
+    known = schema("reproduction", "bayescal.reproduction")
+    jsonschema.Draft202012Validator.check_schema(known)
+    jsonschema.validate(document, known)
     changed = dict(document, as_coded={"r": document["as_coded"]["r"]})
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(changed, schema)
+        jsonschema.validate(changed, known)
 
 
 @pytest.mark.parametrize(("variant", "axis", "order"), MODELS)
@@ -154,7 +154,7 @@ def test_the_document_tells_points_by_number_and_what_went(document):
 def test_what_can_not_be_had_is_null(capsys):
     code, out, _ = run(capsys, "--per-point", "--common", "--json", "-")
     found = json.loads(out)  # and nothing but the document is printed
-    jsonschema.validate(found, reproduction_schema())
+    jsonschema.validate(found, schema("reproduction", "bayescal.reproduction"))
     last = found["as_written"]["c"][4]
     assert (code, last["elimination"]["after"]["bic"], last["common"]) == (0, None, None)
     assert found["after_elimination"]["as_written"]["c"]["lowest_bic_on_common"] is None
@@ -185,7 +185,7 @@ def test_out_is_a_folder_with_the_document_and_every_figure(capsys, tmp_path):
     assert all(path.stat().st_size > 1000 for path in folder.iterdir())
     jsonschema.validate(
         json.loads((folder / "reproduction.json").read_text(encoding="utf-8")),
-        reproduction_schema(),
+        schema("reproduction", "bayescal.reproduction"),
     )
     assert [path.name for path in tmp_path.iterdir()] == ["run"]  # nothing beside it
 
@@ -197,8 +197,8 @@ def test_out_is_a_folder_with_the_document_and_every_figure(capsys, tmp_path):
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
     other = bc.reproduce(bc.thesis(), orders=[1])
     with pytest.raises(OSError, match="--force"):
-        write_reproduction(folder, other, "{}", force=False)
-    write_reproduction(folder, other, "{}", force=True)
+        REPRODUCTION.write(folder, other, "{}", force=False)
+    REPRODUCTION.write(folder, other, "{}", force=True)
     assert (folder / "reproduction.json").read_text() == "{}"
     assert {path.name for path in folder.iterdir()} == wanted
     assert [path.name for path in tmp_path.iterdir()] == ["run"]

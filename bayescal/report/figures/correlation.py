@@ -8,11 +8,11 @@ from matplotlib.figure import Figure
 
 from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.errors import InputError
-from bayescal.report.family_tables import correlations
 from bayescal.report.family_words import weak_lines
 from bayescal.report.figures.joint import LINES
 from bayescal.report.figures.parameters import parameter_symbol
 from bayescal.report.figures.style import BLUE, VERMILLION, WIDTH
+from bayescal.report.numbers import correlations
 
 DIVERGING = LinearSegmentedColormap.from_list("correlation", [VERMILLION, "#ffffff", BLUE])
 CELL = 0.42  # inches, at most

@@ -14,9 +14,9 @@ from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
-from bayescal.report.document import document
-from bayescal.report.families_document import families_document
-from bayescal.report.outliers import outliers_document
+from bayescal.report.document.comparison import comparison_document
+from bayescal.report.document.families import families_document
+from bayescal.report.document.outliers import outliers_document
 from bayescal.report.page.blocks import Page, Section
 from bayescal.report.page.sections import SECTIONS
 from bayescal.report.page.sections.bad_points import study_section
@@ -58,7 +58,7 @@ def page_of(
     -------
     Page
     """
-    subject = PageSubject(comparison, document(comparison, command), study, families)
+    subject = PageSubject(comparison, comparison_document(comparison, command), study, families)
     found = []
     for section in SECTIONS:
         if progress is not None:

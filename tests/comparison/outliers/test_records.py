@@ -25,7 +25,9 @@ from bayescal.linear.quadrature import FINE
 from bayescal.linear.reweighting import Rows
 from bayescal.polynomials.separable import axis_data
 from bayescal.prior.amplitudes import PriorRule
-from bayescal.report.outliers import outliers_document, outliers_schema, outliers_view
+from bayescal.report.document.outliers import outliers_document
+from bayescal.report.document.shared import schema
+from bayescal.report.outliers import outliers_view
 from bayescal.report.render import render
 
 
@@ -125,7 +127,7 @@ def test_errors_are_shared_only_by_points_that_err_alike():
 
 def test_the_document_says_what_the_study_found_and_holds_no_nan(study):
     found = json.loads(json.dumps(outliers_document(study, "bayescal outliers"), allow_nan=False))
-    jsonschema.validate(found, outliers_schema())
+    jsonschema.validate(found, schema("outliers"))
     axis = found["axes"]["c"]
     assert [p["label"] for p in axis["points"]] == [p.label for p in study.axes["c"].points]
     assert len(axis["treatments"]) == 4
@@ -152,5 +154,5 @@ def test_one_order_alone_has_no_rival():
     alone = outliers(bc.thesis(), [1], axis="c")
     assert {p.log_bayes_factor_without for p in alone.axes["c"].points} == {None}
     document = json.loads(json.dumps(outliers_document(alone, "x"), allow_nan=False))
-    jsonschema.validate(document, outliers_schema())
+    jsonschema.validate(document, schema("outliers"))
     assert "+inf" not in render(outliers_view(alone), terminal=False)

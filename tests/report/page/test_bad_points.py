@@ -12,8 +12,8 @@ from playwright.sync_api import Browser
 
 import bayescal as bc
 from bayescal.comparison.outliers.results import OutlierStudy
+from bayescal.report.document.outliers import outliers_document
 from bayescal.report.figures import bad_points
-from bayescal.report.outliers import outliers_document
 from bayescal.report.page.page import html, page_of
 from tests.helpers.command import here
 

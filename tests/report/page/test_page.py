@@ -11,7 +11,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.results import Comparison
-from bayescal.report.document import document
+from bayescal.report.document.comparison import comparison_document
 from bayescal.report.page.page import html, page_of, save_report
 from bayescal.report.page.typography import symbol, typeset, visible
 from tests.helpers.points_files import rows, text, write
@@ -66,7 +66,7 @@ def test_size(thesis_page: Path):
 def test_numbers_are_the_result_documents(thesis_page: Path, defended: Comparison):
     found = read(thesis_page.read_text(encoding="utf-8"))
     embedded = json.loads(found.scripts["result"])
-    expected = json.loads(json.dumps(document(defended, "bayescal report")))
+    expected = json.loads(json.dumps(comparison_document(defended, "bayescal report")))
     for made in (embedded, expected):
         made["provenance"].pop("created")
     assert embedded == expected

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from bayescal.report.facts import dumps
-from bayescal.report.families_document import families_document
-from bayescal.report.outliers import outliers_document
+from bayescal.report.document.families import families_document
+from bayescal.report.document.outliers import outliers_document
+from bayescal.report.document.shared import dumps
 from bayescal.report.page.blocks import Block, Embedded, Facts, Prose, Section
 from bayescal.report.page.subject import PageSubject
 

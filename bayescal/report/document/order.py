@@ -8,8 +8,7 @@ from typing import Any
 from bayescal.comparison.defence.defence import Prediction
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import ParameterSummary, Posterior
-from bayescal.report.facts import finite, summary_facts
-from bayescal.report.robust import evidence_document
+from bayescal.report.document.shared import evidence_facts, finite, summary_facts
 
 PREDICTION = (
     "elpd_loo",
@@ -80,7 +79,7 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         **{f"delta_{n}": _difference(getattr(found, n), best[n]) for n in ("aic", "aicc", "bic")},
         "log_evidence": posterior.log_evidence,
         "log_evidence_error": posterior.log_evidence_error,
-        "evidence": evidence_document(result),
+        "evidence": None if isinstance(posterior, Posterior) else evidence_facts(posterior),
         "probability": result.probability,
         **_prediction(found_loo),
         "exact_fit": fit.exact,

@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, TypeVar
 
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.files import RESULT
 from bayescal.inference.arviz_bridge import Draws, parse_netcdf
-from bayescal.inference.sampled_model import SampledModel
-from bayescal.inference.sampled_posterior import SampledPosterior
-from bayescal.inference.stored import unpack_sampled
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
 from bayescal.points.text import reason
-from bayescal.report.document import versions
-from bayescal.report.run import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
-from bayescal.report.shape import misshapen
+from bayescal.report.document.shared import versions
+from bayescal.report.run.folder import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
+from bayescal.report.run.shape import misshapen
 from bayescal.version import __version__
 
 Kept = TypeVar("Kept")
@@ -35,39 +32,27 @@ class RunFiles:
     manifest: dict[str, Any]
     document: dict[str, Any]
 
-    # What the document must hold: of all, and of each axis (None: it has none); each kind of
-    # run states its own.
-    schema: ClassVar[str]
-    made_by: ClassVar[str]
-    shape: ClassVar[Mapping[str, Any]]
-    axis_shape: ClassVar[Mapping[str, Any] | None]
-
     @classmethod
-    def at(cls, folder: Path) -> Self:
-        """Read what describes the run; refuse what this version can't make sense of."""
-        if not is_run(folder):
+    def at(cls, folder: Path, schema: str, made_by: str, shape: Any) -> RunFiles:
+        """Read what describes a run of one schema; refuse what this version can't make sense of."""
+        document = document_at(folder, made_by)
+        if document.get("schema") != schema:
             raise InputError(
-                f"{folder}: {_no_run(folder)}; name a folder that {cls.made_by} --out wrote"
+                f"{folder / RESULT}: holds {document.get('schema')!r} where a run holds "
+                f"{schema!r}; name a folder that {made_by} --out wrote"
             )
-        found = _json(folder / RESULT)
-        schema = found.get("schema")
-        if schema != cls.schema:
-            raise InputError(
-                f"{folder / RESULT}: holds {schema!r} where a run holds {cls.schema!r}; name a "
-                f"folder that {cls.made_by} --out wrote"
-            )
-        run = cls(folder, {}, found)
+        run = cls(folder, {}, document)
         if not (folder / MANIFEST).is_file():
             raise InputError(
                 f"{folder}: holds no {MANIFEST}, without which a run can't be reopened: it was "
                 f"written by a bayescal that made none, or is incomplete; {run.again}"
             )
-        run = cls(folder, _json(folder / MANIFEST), found)
-        run.check()
+        run = cls(folder, _json(folder / MANIFEST), document)
+        run.check(shape)
         return run
 
-    def check(self) -> None:
-        """Refuse another format, and a document that was changed."""
+    def check(self, shape: Any) -> None:
+        """Refuse another format, and a document that was changed or is of another shape."""
         number, writer = self.manifest.get("format"), self.manifest.get("bayescal")
         if not isinstance(number, int) or not isinstance(self.manifest.get("files"), dict):
             raise InputError(f"{self.folder / MANIFEST}: is damaged: names no format; {self.again}")
@@ -78,7 +63,7 @@ class RunFiles:
                 f"{writer}, or {self.again}"
             )
         self.content(RESULT)
-        lacks = misshapen(self.document, self.shape, self.axis_shape)
+        lacks = misshapen(self.document, shape)
         if lacks is not None:
             raise InputError(
                 f"{self.folder / RESULT}: is damaged: {lacks} is missing or not what belongs "
@@ -165,15 +150,6 @@ class RunFiles:
             notes=tuple(notes),
         )
 
-    def sampled(
-        self,
-        name: str,
-        model: SampledModel,
-        compute: Callable[[], SampledPosterior],  # noqa: ARG002 - nothing is sampled
-    ) -> SampledPosterior:
-        """Read the draws and the evidence of a model without a closed form."""
-        return self.read_draws(name, lambda draws: unpack_sampled(draws, model))
-
     def read_draws(self, name: str, unpack: Callable[[Draws], Kept]) -> Kept:
         """Read the draws of a name, and make of them what they were."""
         place = f"{DRAWS}/{name}.nc"
@@ -184,23 +160,15 @@ class RunFiles:
             raise InputError(f"{self.folder / place}: {error}; {self.again}") from None
 
 
-def schema_of(folder: Path) -> object:
-    """Say what a run holds: the schema its document names.
-
-    Raises
-    ------
-    InputError
-        Where the document can't be read.
-    """
-    return _json(folder / RESULT).get("schema")
-
-
-def is_run(path: Path) -> bool:
-    """Whether a path is a folder that holds a result document."""
+def document_at(folder: Path, made_by: str) -> dict[str, Any]:
+    """Read the document of a run; refuse a place that is none."""
     try:
-        return (path / RESULT).is_file()
+        there = (folder / RESULT).is_file()
     except OSError:
-        return False
+        there = False
+    if not there:
+        raise InputError(f"{folder}: {_no_run(folder)}; name a folder that {made_by} --out wrote")
+    return _json(folder / RESULT)
 
 
 def _no_run(folder: Path) -> str:

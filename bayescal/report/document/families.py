@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
-from importlib.resources import files
 from typing import Any
 
 from bayescal.comparison.families.results import FamilyComparison, FamilyRequest, JointModel
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.weak import weak_combinations
-from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.inference.sampled_posterior import SampledPosterior
-from bayescal.report.document import provenance
-from bayescal.report.facts import evidence_facts, finite, points_facts, summary_facts
-from bayescal.report.family_tables import correlations, exact_parameters
+from bayescal.report.document.shared import (
+    evidence_facts,
+    finite,
+    interval_facts,
+    points_facts,
+    provenance,
+    summary_facts,
+)
+from bayescal.report.numbers import correlations, exact_parameters
 
 SCHEMA = "bayescal.families/1"
 
@@ -36,7 +39,7 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
     verdict = found.verdict
     return {
         "schema": SCHEMA,
-        "provenance": found.origin or provenance(found.settings, command),
+        "provenance": found.origin or provenance(command, found.settings),
         "settings": settings_facts(found.request, found.settings),
         "data": points_facts(found.points),
         "families": {
@@ -67,13 +70,6 @@ def settings_facts(request: FamilyRequest, settings: Settings) -> dict[str, Any]
     asked = {k: v for k, v in asdict(settings).items() if k != "defend"}  # families have none
     wanted = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(request).items()}
     return {**wanted, **asked}
-
-
-def families_schema() -> dict[str, Any]:
-    """JSON Schema of the document."""
-    text = files("bayescal.report").joinpath("families.schema.json").read_text(encoding="utf-8")
-    loaded: dict[str, Any] = json.loads(text)
-    return loaded
 
 
 def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str, Any]:
@@ -132,8 +128,7 @@ def _closed_form(model: JointModel) -> list[dict[str, Any]]:
             "axis": p.axis,
             "mean": p.mean,
             "sd": p.sd,
-            "interval": list(p.interval),
-            "interval_probability": INTERVAL_PROBABILITY,
+            **interval_facts(p.interval),
         }
         for p in exact_parameters(model)
     ]

@@ -1,34 +1,26 @@
-"""The result document: one JSON object, as described in docs/result.md."""
+"""The document of a comparison of orders, as described in docs/result.md."""
 
 from __future__ import annotations
 
-import json
-import platform
 from dataclasses import asdict
-from datetime import UTC, datetime
-from importlib.metadata import version
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.comparison.settings import Settings
+from bayescal.noise.model import NoiseModel
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import RATE, SHAPE, StudentT
 from bayescal.prior.amplitudes import TAU_BOUNDS, PriorRule
-from bayescal.report.adequacy import adequacy_rows
-from bayescal.report.defence import defence_document
-from bayescal.report.facts import dumps as dumps
-from bayescal.report.facts import points_facts
-from bayescal.report.noise import noise_document
-from bayescal.report.order import order_document
-from bayescal.report.robust import points_document
-from bayescal.version import __version__
+from bayescal.report.document.defence import adequacy_rows, defence_document
+from bayescal.report.document.order import order_document
+from bayescal.report.document.shared import points_facts, provenance
+from bayescal.report.numbers import point_chances
 
 SCHEMA = "bayescal.comparison/1"
-PACKAGES = ("emcee", "numpy", "scipy", "arviz")
 
 
-def document(comparison: Comparison, command: str) -> dict[str, Any]:
+def comparison_document(comparison: Comparison, command: str) -> dict[str, Any]:
     """Build the result document of a comparison.
 
     Parameters
@@ -46,7 +38,7 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
     axes = {name: _axis(axis) for name, axis in comparison.axes.items()}
     return {
         "schema": SCHEMA,
-        "provenance": comparison.origin or provenance(comparison.settings, command),
+        "provenance": comparison.origin or provenance(command, comparison.settings),
         "settings": asdict(comparison.settings),
         "data": _data(comparison),
         "family": comparison.family,
@@ -59,33 +51,6 @@ def document(comparison: Comparison, command: str) -> dict[str, Any]:
         "notes": list(comparison.notes),
         **({} if comparison.hint is None else {"families": {"hint": comparison.hint}}),
     }
-
-
-def provenance(settings: Settings, command: str) -> dict[str, Any]:
-    """Say how, by what and when a document was made."""
-    return {
-        **versions(),
-        "command": command,
-        "seed": settings.seed,
-        "ess": settings.ess,
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
-    }
-
-
-def versions() -> dict[str, str]:
-    """Versions of this program, of Python and of what the numbers depend on."""
-    return {
-        "bayescal": __version__,
-        "python": platform.python_version(),
-        **{name: version(name) for name in PACKAGES},
-    }
-
-
-def schema() -> dict[str, Any]:
-    """JSON Schema of the result document."""
-    text = files("bayescal.report").joinpath("result.schema.json").read_text(encoding="utf-8")
-    loaded: dict[str, Any] = json.loads(text)
-    return loaded
 
 
 def _joint(comparison: Comparison) -> dict[str, Any] | None:
@@ -116,32 +81,15 @@ def _data(comparison: Comparison) -> dict[str, Any]:
 
 
 def _axis(axis: AxisComparison) -> dict[str, Any]:
-    verdict, noise, reference = axis.verdict, axis.noise, axis.reference
-    domain = axis.data.domain
-    per_point = axis.data.sd is not None
-    bounds = None if noise.bounds is None else list(noise.bounds)
+    verdict, domain = axis.verdict, axis.data.domain
     return {
         "regressor": axis.data.regressor,
         "n": len(axis.data),
         "domain": [domain.lower, domain.upper],
-        "noise": {
-            "kind": axis.noise_model.name,
-            "sigma": noise.source,
-            "sigma_px": None if per_point else noise.value,
-            "per_point": per_point,
-            "sigma_bounds_px": bounds if noise.source == "inferred" else None,
-            "scale_bounds": bounds if noise.source == "scale" else None,
-            "sigma_prior_mass": noise.mass,
-            "reference_sigma_px": None if per_point else reference.value,
-            "reference": reference.source,
-            "reference_dof": reference.dof,
-            "scatter_px": axis.scatter[0],
-            "scatter_dof": axis.scatter[1],
-            **noise_document(axis),
-        },
+        "noise": _noise(axis),
         "prior": _prior(axis.prior, axis.orders[-1].order),
         "orders": [order_document(result, axis) for result in axis.orders],
-        "points": points_document(axis),
+        "points": _points(axis),
         "verdict": {
             "order": verdict.order,
             "plausible": list(verdict.plausible),
@@ -157,6 +105,53 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
         "world_units": [asdict(u) for u in axis.world_units] or None,
         "adequacy": adequacy_rows(axis.adequacy) if axis.adequacy else None,
     }
+
+
+def _noise(axis: AxisComparison) -> dict[str, Any]:
+    """Noise model and level, with their priors."""
+    level, reference, per_point = axis.noise, axis.reference, axis.data.sd is not None
+    bounds = None if level.bounds is None else list(level.bounds)
+    return {
+        "kind": axis.noise_model.name,
+        "sigma": level.source,
+        "sigma_px": None if per_point else level.value,
+        "per_point": per_point,
+        "sigma_bounds_px": bounds if level.source == "inferred" else None,
+        "scale_bounds": bounds if level.source == "scale" else None,
+        "sigma_prior_mass": level.mass,
+        "reference_sigma_px": None if per_point else reference.value,
+        "reference": reference.source,
+        "reference_dof": reference.dof,
+        "scatter_px": axis.scatter[0],
+        "scatter_dof": axis.scatter[1],
+        **_options(axis.noise_model),
+    }
+
+
+def _options(noise: NoiseModel) -> dict[str, Any]:
+    """Give what a noise model has beside its level."""
+    if isinstance(noise, StudentT):
+        prior = {"kind": "gamma", "shape": SHAPE, "rate": RATE}
+        return {"nu": {"kind": "fixed", "value": noise.nu} if noise.nu is not None else prior}
+    if isinstance(noise, OutlierMixture):
+        return {
+            "bad_fraction_bounds": [0.0, noise.largest_fraction],
+            "bad_width_bounds_px": list(noise.width_bounds),
+            "bad_offset": "inferred" if noise.infers_offset else "zero",
+        }
+    return {}
+
+
+def _points(axis: AxisComparison) -> list[dict[str, Any]] | None:
+    """Give what robust noise says of every point at the recommended order."""
+    found = point_chances(axis.chosen)
+    if found is None:
+        return None
+    bad = [None] * len(found.weight) if found.bad is None else found.bad.tolist()
+    return [
+        {"label": label, "bad_probability": p, "weight": w}
+        for label, p, w in zip(axis.data.labels, bad, found.weight.tolist(), strict=True)
+    ]
 
 
 def _prior(rule: PriorRule, order: int) -> dict[str, Any]:

@@ -1,0 +1,1 @@
+"""Result documents: one module a kind of result, its JSON Schema beside it."""

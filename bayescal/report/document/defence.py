@@ -1,0 +1,102 @@
+"""The answers to a referee, in the document of a comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from bayescal.comparison.adequacy.outcome import AdequacyTest
+from bayescal.comparison.defence.defence import Defence
+from bayescal.comparison.defence.noise_evidence import NoiseEvidence
+from bayescal.comparison.defence.stability import Bootstrap, Removal
+from bayescal.report.document.shared import by_order
+
+
+def defence_document(defence: Defence) -> dict[str, Any]:
+    """Collect a defence's numbers as JSON values."""
+    tau = defence.tau
+    beyond = defence.beyond
+    return {
+        "tau_sensitivity": None
+        if tau is None
+        else {
+            "tau": tau.tau.tolist(),
+            "orders": list(tau.orders),
+            "log_evidence": tau.log_evidence.tolist(),
+            "probability": tau.probability.tolist(),
+            "wins": [{"order": w.order, "tau": [w.lower, w.upper]} for w in tau.wins],
+        },
+        "groups": defence.group_source,
+        "points_that_matter": [_removal(r) for r in defence.points_that_matter],
+        "groups_that_matter": [_removal(r) for r in defence.groups_that_matter],
+        "bootstrap": [_bootstrap(b) for b in defence.resampled],
+        "beyond": None
+        if beyond is None
+        else {
+            "probability": by_order(beyond.probability),
+            "winner": beyond.winner,
+        },
+        "noises": noises_document(defence.noises),
+        "worth": [
+            {"order": w.order, "largest_px": w.largest, "sd_px": w.sd, "at": w.at}
+            for w in defence.worth
+        ],
+    }
+
+
+def _removal(removal: Removal) -> dict[str, Any]:
+    return {
+        "name": removal.name,
+        "points": removal.size,
+        "order": removal.order,
+        "log_bayes_factor": removal.log_bayes_factor,
+    }
+
+
+def _bootstrap(found: Bootstrap) -> dict[str, Any]:
+    return {"unit": found.unit, "resamples": found.resamples, "share": by_order(found.share)}
+
+
+def noises_document(noises: tuple[NoiseEvidence, ...]) -> list[dict[str, Any]]:
+    """Evidence under other noise models, for the result document."""
+    return [
+        {
+            "noise": found.name,
+            "log_evidence": by_order(found.log_evidence),
+            "log_evidence_error": by_order(found.error),
+            "warnings": by_order(found.warnings),
+        }
+        for found in noises
+    ]
+
+
+def noises_from(rows: list[dict[str, Any]]) -> tuple[NoiseEvidence, ...]:
+    """Undo `noises_document`; the posteriors are not kept."""
+    return tuple(
+        NoiseEvidence(
+            row["noise"],
+            {int(k): v for k, v in row["log_evidence"].items()},
+            {int(k): v for k, v in row["log_evidence_error"].items()},
+            {int(k): tuple(v) for k, v in row["warnings"].items()},
+            {},
+        )
+        for row in rows
+    )
+
+
+def adequacy_rows(tests: Sequence[AdequacyTest]) -> list[dict[str, Any]]:
+    """Give tests as JSON values: what can't be had is None, never NaN."""
+    return [
+        {
+            "name": test.name,
+            "statistic": test.statistic,
+            "value": test.value,
+            "dof": None if test.dof is None else list(test.dof),
+            "p_value": test.p_value,
+            "p_adjusted": test.p_adjusted,
+            "concern": test.concern,
+            "meaning": test.meaning,
+            "parts": adequacy_rows(test.parts),
+        }
+        for test in tests
+    ]

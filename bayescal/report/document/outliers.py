@@ -1,0 +1,105 @@
+"""The document of an analysis of bad points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy
+from bayescal.report.document.shared import by_order, points_facts, provenance
+
+SCHEMA = "bayescal.outliers/1"
+
+
+def outliers_document(study: OutlierStudy, command: str) -> dict[str, Any]:
+    """Build the result document of an analysis of bad points.
+
+    Parameters
+    ----------
+    study : OutlierStudy
+    command : str
+        How it was asked for, for the provenance.
+
+    Returns
+    -------
+    dict
+        JSON values only.
+    """
+    return {
+        "schema": SCHEMA,
+        "provenance": study.origin or provenance(command, study.settings),
+        "data": points_facts(study.points),
+        "significance": study.significance,
+        "settings": _settings(study),
+        "axes": {name: _axis_document(axis) for name, axis in study.axes.items()},
+    }
+
+
+def _settings(study: OutlierStudy) -> dict[str, Any]:
+    asked, (heavy, mixture) = study.settings, study.noises
+    return {
+        "sigma": asked.sigma,
+        "prior": asked.prior,
+        "tau": asked.tau,
+        "seed": asked.seed,
+        "ess": asked.ess,
+        "nu": heavy.nu,
+        "bad_offset": mixture.infers_offset,
+    }
+
+
+def _axis_document(axis: AxisOutliers) -> dict[str, Any]:
+    return {
+        "regressor": axis.data.regressor,
+        "order": axis.order,
+        "sigma": axis.level.source,
+        "points": [
+            {
+                "label": p.label,
+                "number": p.index + 1,
+                "measured_px": p.measured,
+                "predicted_px": p.predicted,
+                "predicted_sd_px": p.predicted_sd,
+                "residual_px": p.residual,
+                "standardised": p.standardised,
+                "leverage": p.leverage,
+                "cook": p.cook,
+                "rejected_at": list(p.rejected_at),
+                "bad_probability": p.bad_probability,
+                "weight": p.weight,
+                "order_without": p.order_without,
+                "log_bayes_factor_without": p.log_bayes_factor_without,
+            }
+            for p in axis.points
+        ],
+        "explanations": list(axis.explanations),
+        "shared": [
+            {
+                "points": list(s.points),
+                "good": list(s.good),
+                "coordinates": s.coordinates,
+                "error_px": s.error,
+                "spread_px": s.spread,
+                "together": s.together,
+                "explained_by": s.explained_by,
+            }
+            for s in axis.shared
+        ],
+        "treatments": [
+            {
+                "name": t.name,
+                "noise": t.evidence.name,
+                "n_points": t.n_points,
+                "log_evidence": by_order(t.evidence.log_evidence),
+                "log_evidence_error": by_order(t.evidence.error),
+                "probability": by_order(t.evidence.probability),
+                "order": t.evidence.order,
+                "log_evidence_all_orders": t.evidence.total
+                if t.n_points == len(axis.data)
+                else None,
+                "warnings": by_order(t.evidence.warnings),
+                "not_converged": [k for k, p in t.evidence.posteriors.items() if not p.converged],
+            }
+            for t in axis.treatments
+        ],
+        "verdict": axis.verdict,
+    }

@@ -1,0 +1,1 @@
+"""The kinds of result, one module each; `bayescal.report.runs` lists them."""

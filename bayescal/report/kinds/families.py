@@ -1,0 +1,119 @@
+"""A comparison across families as a kind of result."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from bayescal.arrays import Array
+from bayescal.comparison.families.analysis import compare_joint
+from bayescal.comparison.families.results import FamilyComparison, FamilyRequest
+from bayescal.comparison.settings import Settings
+from bayescal.inference.arviz_bridge import Draws
+from bayescal.inference.stored import pack_sampled, pack_weighted
+from bayescal.points.setup import AXES
+from bayescal.report.document.families import SCHEMA, families_document
+from bayescal.report.kinds.comparison import COEFFICIENT, EVIDENCE, SETTINGS
+from bayescal.report.run.files import RunFiles
+from bayescal.report.run.folder import described
+from bayescal.report.run.kind import RunKind
+from bayescal.report.run.shape import NUMBER, Maybe, Same
+from bayescal.report.run.store import StoredDraws
+
+# Draws are kept in coordinates about a maximum that is searched for again. Another machine's
+# rounding ends the search elsewhere: by 1e-6 nat of leave-one-out on the thesis's points.
+SEARCHED = 1e-4
+MODEL = {
+    "name": str,
+    **EVIDENCE,
+    "log_evidence_error": NUMBER,
+    "elpd_loo": Same("leave-one-out elpd", within=SEARCHED),
+    "sampling": Maybe({"parameters": [COEFFICIENT]}),
+}
+SHAPE = {
+    "provenance": {"command": str, "seed": int},
+    "data": {"source": str, "sha256": str},
+    "settings": {
+        "families": [str],
+        "orders": [int],
+        "positions": (list, type(None)),
+        "radial": str,
+        "radial_orders": [int],
+        "pairs": (list, type(None)),
+        **SETTINGS,
+        "noise": str,
+        "nu": NUMBER,
+        "bad_offset": bool,
+    },
+    "families": {"models": [MODEL]},
+    "verdict": {
+        "best": Same("best model", str),
+        "plausible": Same("list of plausible models", list),
+        "decided": Same("verdict's decided", bool),
+    },
+}
+ASKED = frozenset(field.name for field in dataclasses.fields(FamilyRequest))
+
+
+class FamiliesKind(RunKind[FamilyComparison]):
+    """A comparison of models of r and c together."""
+
+    result = FamilyComparison
+    name = "families"
+    schema = SCHEMA
+    made_by = "compare --family"
+    shape = SHAPE
+    beside = ASKED
+
+    def document(self, result: FamilyComparison, command: str) -> dict[str, Any]:
+        """Build its document."""
+        return families_document(result, command)
+
+    def draws(self, result: FamilyComparison) -> dict[str, Draws]:
+        """Draws of the models that were sampled, weighted ones of those that were weighted."""
+        found = {}
+        observed: dict[str, Array] = {axis: result.points.pixel(axis) for axis in AXES}
+        for model in result.models:
+            if model.posterior is not None:
+                draws, library = pack_sampled(model.posterior), "emcee"
+            elif model.weighted is not None:
+                draws, library = pack_weighted(model.weighted), "bayescal"
+            else:
+                continue
+            found[model.name.key] = described(
+                draws,
+                dict(observed),
+                model=str(model.name),
+                units="focal, centre, sigma, coefficients px; rotation degrees; position world "
+                "units; tau a fraction of the image; scale a factor",
+                library=library,
+            )
+        return found
+
+    def reopen(self, run: RunFiles, settings: Settings) -> FamilyComparison:
+        """Compare again, with the run's draws and weights.
+
+        Evidences without a point, which leave-one-out may need, come from the same random numbers.
+        """
+        request = _request(run.document["settings"], run)
+        return compare_joint(run.points(), request, settings, None, StoredDraws(run))
+
+
+FAMILIES = FamiliesKind()
+
+
+def _request(stated: Mapping[str, Any], run: RunFiles) -> FamilyRequest:
+    """Which models were asked for."""
+    try:
+        asked = {name: _frozen(stated[name]) for name in ASKED}
+        if asked["pairs"] is not None:
+            asked["pairs"] = tuple((int(k), int(m)) for k, m in asked["pairs"])
+        return FamilyRequest(**asked)
+    except (TypeError, ValueError) as error:
+        raise run.unusable(error) from None
+
+
+def _frozen(value: Any) -> Any:
+    """Make tuples of lists, inside too."""
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value

@@ -1,0 +1,89 @@
+"""An analysis of bad points as a kind of result."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from bayescal.comparison.defence.noise_evidence import model_name
+from bayescal.comparison.outliers.analysis import find_outliers
+from bayescal.comparison.outliers.rejection import RejectionRule
+from bayescal.comparison.outliers.results import OutlierStudy
+from bayescal.comparison.settings import Settings
+from bayescal.inference.arviz_bridge import Draws
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import StudentT
+from bayescal.points.setup import AXES
+from bayescal.report.document.outliers import SCHEMA, outliers_document
+from bayescal.report.kinds.comparison import SETTINGS, axis_draws
+from bayescal.report.run.files import RunFiles
+from bayescal.report.run.kind import RunKind
+from bayescal.report.run.shape import NUMBER, Each, Same
+from bayescal.report.run.store import StoredDraws
+
+NOW = "from its draws"
+SHAPE = {
+    "provenance": {"command": str, "seed": int},
+    "data": {"source": str, "sha256": str},
+    "significance": (int, float),
+    "settings": {**SETTINGS, "nu": NUMBER, "bad_offset": bool},
+    "axes": Each(
+        {
+            "order": int,
+            "points": [
+                {
+                    "label": str,
+                    "bad_probability": Same("probability of being bad", now=NOW),
+                    "weight": Same("weight", now=NOW),
+                }
+            ],
+            "treatments": [
+                {"name": str, "log_evidence": Each(Same("log evidence"), named="order")}
+            ],
+        },
+        keys=AXES,
+    ),
+}
+
+
+class OutliersKind(RunKind[OutlierStudy]):
+    """Which points are bad, and whether the choice of the order depends on them."""
+
+    result = OutlierStudy
+    name = "outliers"
+    schema = SCHEMA
+    made_by = "outliers"
+    shape = SHAPE
+    beside = frozenset({"nu", "bad_offset"})  # of both noise models, not of the one compared
+
+    def document(self, result: OutlierStudy, command: str) -> dict[str, Any]:
+        """Build its document."""
+        return outliers_document(result, command)
+
+    def draws(self, result: OutlierStudy) -> dict[str, Draws]:
+        """Draws of every order under every noise model that is sampled."""
+        return {
+            model_name(axis.data.axis, treatment.evidence.name, order): axis_draws(
+                posterior, axis.data, order
+            )
+            for axis in result.axes.values()
+            for treatment in axis.treatments
+            for order, posterior in treatment.evidence.posteriors.items()
+        }
+
+    def reopen(self, run: RunFiles, settings: Settings) -> OutlierStudy:
+        """Look again, with the run's draws."""
+        asked, axes = run.document["settings"], run.document["axes"]
+        first = next(iter(axes.values()))
+        return find_outliers(
+            run.points(),
+            list(axes),
+            tuple(int(k) for k in first["treatments"][0]["log_evidence"]),
+            settings,
+            (StudentT(asked["nu"]), OutlierMixture(infers_offset=asked["bad_offset"])),
+            RejectionRule(run.document["significance"]),
+            lambda _: None,
+            StoredDraws(run).sampled,
+        )
+
+
+OUTLIERS = OutliersKind()

@@ -1,0 +1,95 @@
+"""Numbers that documents and views both show, worked out once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from threadpoolctl import threadpool_limits
+
+from bayescal.arrays import Array
+from bayescal.comparison.results import OrderResult
+from bayescal.comparison.weak import correlation
+from bayescal.inference.posterior import INTERVAL_PROBABILITY, Posterior
+from bayescal.points.setup import AXES
+
+if TYPE_CHECKING:  # Gaussian noise on one axis does not pay for what it does not need
+    from bayescal.comparison.families.results import JointModel
+    from bayescal.inference.sampled_posterior import SampledPosterior
+    from bayescal.linear.closed_form import ExactPosterior
+
+
+@dataclass(frozen=True, eq=False)
+class PointChances:
+    """What robust noise says of every point.
+
+    Attributes
+    ----------
+    bad : Array or None
+        Posterior probability of being bad, ``(n,)``; None where the noise has no notion of it.
+    weight : Array
+        Share of a good point's precision that it keeps, ``(n,)``.
+    """
+
+    bad: Array | None
+    weight: Array
+
+
+def point_chances(result: OrderResult) -> PointChances | None:
+    """Say what robust noise finds of every point; None where the noise is Gaussian."""
+    posterior = result.posterior
+    if isinstance(posterior, Posterior):
+        return None
+    from bayescal.density.robust_linear import RobustLinearModel
+
+    model, full = posterior.model, posterior.full.reshape(-1, posterior.full.shape[2])
+    if not isinstance(model, RobustLinearModel):
+        return None
+    bad = model.bad_probability(full)
+    weight = model.weight(full).mean(axis=0)
+    return PointChances(None if bad is None else bad.mean(axis=0), weight)
+
+
+def correlations(posterior: SampledPosterior) -> Array:
+    """Correlation matrix of a sampled model's parameters, the same on any number of cores."""
+    with threadpool_limits(1):
+        return correlation(posterior.chain.draws.reshape(-1, len(posterior.names)))
+
+
+@dataclass(frozen=True)
+class ExactParameter:
+    """A parameter of which the closed form knows all.
+
+    Attributes
+    ----------
+    axis : str
+    name : str
+        As of the sampled models: ``alpha_1``, ``sigma_r``.
+    mean, sd : float
+    interval : tuple of float
+        Central, of probability 0.95.
+    """
+
+    axis: str
+    name: str
+    mean: float
+    sd: float
+    interval: tuple[float, float]
+
+
+def exact_parameters(model: JointModel) -> list[ExactParameter]:
+    """Coefficients and noise of both axes; nothing where there is no closed form."""
+    pairs = zip(AXES, model.exact, strict=False)
+    return [p for axis, posterior in pairs for p in _of_axis(axis, posterior)]
+
+
+@lru_cache(maxsize=64)  # pairs of orders share their axes, and intervals take a while
+def _of_axis(axis: str, posterior: ExactPosterior) -> tuple[ExactParameter, ...]:
+    out = []
+    numbers = zip(*posterior.summary, posterior.intervals(INTERVAL_PROBABILITY), strict=True)
+    for name, (mean, sd, (low, high)) in zip(posterior.model.names, numbers, strict=True):
+        own = name.split("_")[0] == posterior.model.symbol
+        named, interval = name if own else f"{name}_{axis}", (float(low), float(high))
+        out.append(ExactParameter(axis, named, float(mean), float(sd), interval))
+    return tuple(out)

@@ -1,0 +1,1 @@
+"""Runs: folders that hold a result, written whole and taken up again."""

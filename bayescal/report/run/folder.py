@@ -1,0 +1,75 @@
+"""What a run's folder holds, and how it is filled.
+
+``result.json``       the result document (what marks a folder as a run)
+``run.json``          the format's number, who wrote it, the hash of every file below and above
+``points.csv``        the points, every digit of them
+``setup.toml``        what is known of the camera
+``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
+``corner-*.png``      pictures, for people only
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from bayescal.arrays import Array
+from bayescal.files import RESULT, FolderKind
+from bayescal.inference.arviz_bridge import Draws, write_netcdf
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.writer import to_csv, to_toml
+from bayescal.version import __version__
+
+# Rises when an older version could no longer read what a newer one writes.
+FORMAT = 1
+MANIFEST, POINTS, SETUP = "run.json", "points.csv", "setup.toml"
+DRAWS = "draws"
+RUN = FolderKind("run", RESULT, (MANIFEST, POINTS, SETUP, DRAWS, "corner-*.png"))
+
+
+def fill_run(folder: Path, points: Correspondences, draws: Mapping[str, Draws]) -> None:
+    """Write beside the document what a run is reopened from.
+
+    Parameters
+    ----------
+    folder : Path
+        Holds the document.
+    points : Correspondences
+    draws : mapping of str to Draws
+        By the model's name.
+    """
+    texts = {POINTS: to_csv(points), SETUP: to_toml(points.setup)}
+    for name, text in texts.items():
+        (folder / name).write_bytes(text.encode())
+    (folder / DRAWS).mkdir()
+    for name, kept in draws.items():
+        write_netcdf(folder / DRAWS / f"{name}.nc", kept)
+    names = sorted(p.relative_to(folder).as_posix() for p in folder.rglob("*") if p.is_file())
+    hashes = {name: digest((folder / name).read_bytes()) for name in names}
+    manifest: dict[str, Any] = {
+        "format": FORMAT,
+        "bayescal": __version__,
+        "files": hashes,
+        # The points' lines in the file they once came from, for messages.
+        "lines": None if points.lines is None else list(points.lines),
+        # What had to be assumed to read it.
+        "notes": list(points.notes),
+    }
+    (folder / MANIFEST).write_bytes((json.dumps(manifest) + "\n").encode())
+
+
+def digest(raw: bytes) -> str:
+    """SHA-256 in hexadecimal."""
+    return hashlib.sha256(raw).hexdigest()
+
+
+def described(
+    draws: Draws, observed: dict[str, Array], *, library: str = "emcee", **words: Any
+) -> Draws:
+    """Add to draws what a reader who knows nothing of bayescal needs: data, model, units."""
+    draws.groups["observed_data"] = observed
+    draws.described.update({**words, "inference_library": library})
+    return draws
