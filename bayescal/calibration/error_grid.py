@@ -1,0 +1,165 @@
+"""The grid of error models, followed from its likely nodes until their neighbours are not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from scipy.special import logsumexp
+
+from bayescal.calibration.error_model import LARGEST_TARGET, ErrorModel, Geometry
+
+Node: TypeAlias = tuple[int, int, int, int]
+
+CORRELATED = (0.0, *(2.0**k for k in range(-3, 6)))
+LENGTHS = tuple(2.0**k for k in range(-1, 6))  # spacings of the target's points
+OFFSETS = (0.0, *(2.0**k for k in range(-4, 4)))
+KEPT = 7.0  # nat below the best at which a node's neighbours are not looked at any more
+FEWEST_VIEWS = 3  # offsets common to fewer views can't be told from the poses
+
+
+@dataclass(frozen=True)
+class ErrorGrid:
+    """Levels that an error model may have; which of its parts are offered.
+
+    Each part (correlated noise, rough offsets, smooth offsets) is there with probability 1/2,
+    and then at any of its levels alike.
+
+    Attributes
+    ----------
+    spacing : float
+        Between neighbours on the target, diagonals.
+    correlated, offsets : bool
+        Whether noise may be correlated, and points of the target be off.
+    """
+
+    spacing: float
+    correlated: bool = True
+    offsets: bool = True
+
+    @classmethod
+    def of(cls, geometry: Geometry) -> ErrorGrid:
+        """Grid for a target: offsets only of few points in several views."""
+        data = geometry.data
+        few = len(data.target) <= LARGEST_TARGET and data.n_views >= FEWEST_VIEWS
+        return cls(geometry.spacing, True, few)
+
+    @property
+    def size(self) -> Node:
+        """Number of levels of each kind."""
+        offsets = len(OFFSETS) if self.offsets else 1
+        correlated = len(CORRELATED) if self.correlated else 1
+        return (correlated, len(LENGTHS), offsets, offsets)
+
+    def error(self, node: Node) -> ErrorModel:
+        """Error model at a node."""
+        c, length, rough, smooth = node
+        return ErrorModel(
+            CORRELATED[c],
+            LENGTHS[length] * self.spacing if c else 0.0,
+            OFFSETS[rough],
+            OFFSETS[smooth],
+        )
+
+    def log_prior(self, node: Node) -> float:
+        """Log probability of a node."""
+        n_correlated, n_lengths, n_offsets, _ = self.size
+        total = 0.0
+        for level, count in (
+            (node[0], (n_correlated - 1) * n_lengths),
+            *((level, n_offsets - 1) for level in node[2:]),
+        ):
+            if count > 0:
+                total -= math.log(2) + (math.log(count) if level else 0.0)
+        return total
+
+    def neighbours(self, node: Node) -> Iterable[Node]:
+        """Nodes one level away; noise without correlation has no length and touches all."""
+        c, length, rough, smooth = node
+        n_correlated, n_lengths, n_offsets, _ = self.size
+        if c == 0 and n_correlated > 1:
+            yield from ((1, other, rough, smooth) for other in range(0, n_lengths, 2))
+        if c:
+            yield (c - 1, length, rough, smooth) if c > 1 else (0, 0, rough, smooth)
+            if c + 1 < n_correlated:
+                yield (c + 1, length, rough, smooth)
+            yield from (
+                (c, other, rough, smooth)
+                for other in (length - 1, length + 1)
+                if 0 <= other < n_lengths
+            )
+        for step in (-1, 1):
+            if 0 <= rough + step < n_offsets:
+                yield (c, length, rough + step, smooth)
+            if 0 <= smooth + step < n_offsets:
+                yield (c, length, rough, smooth + step)
+
+    def at_edge(self, node: Node) -> tuple[str, ...]:
+        """Which levels of a node are the largest offered."""
+        names = ("correlation", "length", "rough offsets", "smooth offsets")
+        named = zip(names, node, self.size, strict=True)
+        c = node[0]
+        return tuple(
+            name
+            for name, level, count in named
+            if count > 1 and level == count - 1 and (name != "length" or c)
+        )
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """Evidence of a lens model over the error models.
+
+    Attributes
+    ----------
+    log_evidence : float
+        Averaged over the grid.
+    nodes : tuple of Node
+        Those that matter, the most probable first.
+    weights : tuple of float
+        Their posterior probabilities.
+    tried : int
+        Nodes evaluated.
+    """
+
+    log_evidence: float
+    nodes: tuple[Node, ...]
+    weights: tuple[float, ...]
+    tried: int
+
+
+def follow(
+    grid: ErrorGrid,
+    log_evidence: Callable[[Node], float],
+    start: Iterable[Node],
+    most: int = 400,
+) -> Averaged:
+    """Evaluate nodes outwards from the best until their neighbours don't matter.
+
+    Parameters
+    ----------
+    grid : ErrorGrid
+    log_evidence : callable
+        Of a node.
+    start : iterable of Node
+    most : int, optional
+        Nodes to evaluate at most.
+    """
+    found = {node: log_evidence(node) + grid.log_prior(node) for node in dict.fromkeys(start)}
+    done: set[Node] = set()
+    while len(found) < most:
+        best = max(found.values())
+        open_nodes = [n for n, v in found.items() if n not in done and v > best - KEPT]
+        if not open_nodes:
+            break
+        node = max(open_nodes, key=lambda n: found[n])
+        done.add(node)
+        for other in grid.neighbours(node):
+            if other not in found:
+                found[other] = log_evidence(other) + grid.log_prior(other)
+    order = sorted(found, key=lambda n: -found[n])
+    total = float(logsumexp(list(found.values())))
+    kept = [n for n in order if found[n] > total - KEPT]
+    return Averaged(total, tuple(kept), tuple(math.exp(found[n] - total) for n in kept), len(found))

@@ -1,0 +1,150 @@
+r"""What makes residuals: noise that neighbours share within a view, and points that are off.
+
+Given sigma, the noise of a view has covariance sigma^2 (I + rho exp(-d / l)) for r and for c,
+d the distance of two points on the target. Points of the target are off by the same amounts in
+all views: within its plane by rough sigma u each on its own, and smoothly over the target by
+smooth sigma u with correlation exp(-d^2 / (2 s^2)), s = 0.25 diagonals, where u is the length on
+the target that makes 1 px. All of it is Gaussian and scales with sigma, so that sigma can still
+be integrated out in closed form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from bayescal.arrays import Array
+from bayescal.calibration.observations import Observations
+
+SMOOTH_LENGTH = 0.25  # diagonals
+LARGEST_TARGET = 400  # points: with more, offsets of single points are not tried
+
+
+@dataclass(frozen=True, order=True)
+class ErrorModel:
+    """Levels of the parts, in units of sigma; 0 where there is none.
+
+    Attributes
+    ----------
+    correlated : float
+        Variance rho of what neighbours share within a view.
+    length : float
+        Its correlation length l, diagonals; 0 without it.
+    rough, smooth : float
+        Deviations of the target's points, px of sigma.
+    """
+
+    correlated: float = 0.0
+    length: float = 0.0
+    rough: float = 0.0
+    smooth: float = 0.0
+
+    @property
+    def offsets(self) -> bool:
+        """Whether points of the target are off."""
+        return self.rough > 0 or self.smooth > 0
+
+
+WHITE = ErrorModel()
+
+
+@dataclass(frozen=True, eq=False)
+class Shared:
+    """Noise within each view: the inverse of its covariance over sigma^2.
+
+    Attributes
+    ----------
+    inverse : Array or None
+        ``(n_views, n_places, n_places)``; None for independent noise.
+    log_det : float
+        Of the covariance, over both axes and all views.
+    """
+
+    inverse: Array | None
+    log_det: float
+
+    def apply(self, values: Array) -> Array:
+        """Multiply by the inverse, ``(..., n_views, n_places, k)``."""
+        return values if self.inverse is None else np.asarray(self.inverse @ values)
+
+
+class Geometry:
+    """Distances on the target, from which the covariances come.
+
+    Parameters
+    ----------
+    data : Observations
+    """
+
+    def __init__(self, data: Observations) -> None:
+        self.data = data
+
+    @cached_property
+    def spacing(self) -> float:
+        """Median distance of a point of the target to its nearest neighbour, diagonals."""
+        distance, _ = cKDTree(self.data.target).query(self.data.target, k=2)
+        return float(np.median(distance[:, 1]))
+
+    @cached_property
+    def distance(self) -> Array:
+        """Between points of the target, ``(n_target, n_target)``."""
+        gap = self.data.target[:, None] - self.data.target[None]
+        return np.asarray(np.sqrt((gap**2).sum(axis=-1)))
+
+    def shared(self, error: ErrorModel) -> Shared:
+        """Noise within the views."""
+        if not error.correlated:
+            return Shared(None, 0.0)
+        data = self.data
+        kernel = error.correlated * np.exp(-self.distance / error.length)
+        one = data.n_views > 0 and bool((data.which == data.which[0]).all() and data.seen.all())
+        which, seen = (data.which[:1], data.seen[:1]) if one else (data.which, data.seen)
+        covariance = kernel[which[:, :, None], which[:, None, :]]
+        covariance = covariance * (seen[:, :, None] & seen[:, None, :])
+        covariance = covariance + np.eye(which.shape[1])
+        root = np.linalg.cholesky(covariance)
+        log_det = 4 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
+        inverse = np.linalg.inv(covariance)
+        if one:
+            inverse = np.broadcast_to(inverse, (data.n_views, *inverse.shape[1:]))
+            return Shared(inverse, float(log_det[0]) * data.n_views)
+        return Shared(inverse, float(log_det.sum()))
+
+    def offset_root(self, error: ErrorModel, unit: float) -> Array | None:
+        """Root of the covariance of the target's offsets over sigma^2.
+
+        Parameters
+        ----------
+        error : ErrorModel
+        unit : float
+            Length on the target that makes 1 px, diagonals.
+
+        Returns
+        -------
+        Array or None
+            ``(3 n_target, q)``: x, y, z of the first point, then of the next; None without.
+        """
+        n = len(self.data.target)
+        parts: list[Array] = []
+        if error.rough:
+            across = 2 if self.data.planar else 3
+            rough: Array = np.zeros((n, 3, n, across))
+            at = np.arange(n)
+            for axis in range(across):
+                rough[at, axis, at, axis] = error.rough
+            parts.append(np.asarray(rough.reshape(3 * n, -1)))
+        if error.smooth:
+            smooth = self._smooth_root
+            parts.append(np.asarray(error.smooth * np.kron(smooth, np.eye(3))))
+        return np.concatenate(parts, axis=1) * unit if parts else None
+
+    @cached_property
+    def _smooth_root(self) -> Array:
+        """Root of the smooth correlation, its negligible directions left out."""
+        kernel = np.exp(-0.5 * (self.distance / SMOOTH_LENGTH) ** 2)
+        values, vectors = np.linalg.eigh(kernel)
+        kept = values > 1e-4 * values.max()
+        return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))

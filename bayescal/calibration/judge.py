@@ -1,0 +1,161 @@
+"""One lens model judged: its fit, the error models it supports, and its evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.calibration.density import Problem
+from bayescal.calibration.error_grid import Averaged, ErrorGrid, Node, follow
+from bayescal.calibration.error_model import Geometry, Shared
+from bayescal.calibration.evidence import settled, weighed
+from bayescal.calibration.laplace import Level, laplace
+from bayescal.calibration.least_squares import Fit, with_bow
+from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.observations import Observations
+from bayescal.calibration.reduction import Views, eliminate, reduce
+from bayescal.calibration.strengths import strengths
+from bayescal.inference.estimate import EvidenceEstimate
+
+FIRST_NODE: Node = (3, 3, 3, 3)
+COARSE = 6  # nodes of each strength while error models are compared
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What all lens models of a set of views share.
+
+    Attributes
+    ----------
+    data : Observations
+    geometry : Geometry
+    grid : ErrorGrid
+    unit : float
+        Length on the target that makes 1 px, diagonals.
+    level : Level
+    bow : bool
+        Whether the target may bow.
+    """
+
+    data: Observations
+    geometry: Geometry
+    grid: ErrorGrid
+    unit: float
+    level: Level
+    bow: bool
+
+
+@dataclass(frozen=True, eq=False)
+class LensEvidence:
+    """A lens model's evidence, averaged over the error models.
+
+    Attributes
+    ----------
+    fit : Fit
+        Least squares under independent noise, the target taken as it is.
+    errors : Averaged
+    problem : Problem
+        Under the most probable error model, settled.
+    estimate : EvidenceEstimate
+        Under that error model.
+    log_evidence : float
+        Averaged over the error models.
+    draws : Array
+        Of the proposal, ``(n_draws, dimension)``.
+    log_weights : Array
+        ``(n_draws,)``.
+    """
+
+    fit: Fit
+    errors: Averaged
+    problem: Problem
+    estimate: EvidenceEstimate
+    log_evidence: float
+    draws: Array
+    log_weights: Array
+
+    @property
+    def error(self) -> float:
+        """Monte Carlo standard error of the log evidence, nat."""
+        return self.estimate.error
+
+
+def length_of_pixel(model: LensModel, data: Observations, fit: Fit) -> float:
+    """Length on the target that makes 1 px, in the root mean square, diagonals."""
+    stack = Problem(model, data, fit.x, fit.poses, Shared(None, 0.0), None).stack
+    slopes = stack.by_target[data.seen][..., :2]
+    return float(1 / np.sqrt(2 * (slopes**2).mean()))
+
+
+def lens_evidence(
+    model: LensModel,
+    fit: Fit,
+    setting: Setting,
+    start: tuple[Node, ...],
+    rng: np.random.Generator,
+    draws: int,
+) -> LensEvidence:
+    """Compare the error models under a lens, and weigh the lens under the best of them.
+
+    Parameters
+    ----------
+    model : LensModel
+        Without bow.
+    fit : Fit
+        Its least squares.
+    setting : Setting
+    start : tuple of Node
+        Error models to begin from.
+    rng : numpy.random.Generator
+    draws : int
+    """
+    data, white = setting.data, Shared(None, 0.0)
+    bowed, begin = with_bow(fit, model) if setting.bow else (model, fit)
+    reference = Problem(bowed, data, begin.x, begin.poses, white, None, setting.level)
+    reference = settled(reference)
+    comparer = _Comparer(reference, setting)
+    errors = follow(setting.grid, comparer, start)
+    best = settled(comparer.problem(errors.nodes[0]))
+    # Once more from where the best error model has its mode: the residuals were linear elsewhere.
+    comparer = _Comparer(best, setting)
+    errors = follow(setting.grid, comparer, errors.nodes[:1])
+    best = settled(comparer.problem(errors.nodes[0]))
+    estimate, drawn, log_weights = weighed(best, rng, draws)
+    correction = estimate.log_evidence - comparer(errors.nodes[0])
+    return LensEvidence(
+        fit, errors, best, estimate, errors.log_evidence + correction, drawn, log_weights
+    )
+
+
+class _Comparer:
+    """Evidence of error models by linear algebra about one lens and its poses."""
+
+    def __init__(self, reference: Problem, setting: Setting) -> None:
+        self.reference, self.setting = reference, setting
+        self.prior = strengths(reference.model, COARSE)
+        self.views = lru_cache(maxsize=None)(self._views)
+
+    def _views(self, correlated: int, length: int) -> tuple[Shared, Views]:
+        shared = self.setting.geometry.shared(self.setting.grid.error((correlated, length, 0, 0)))
+        offsets = self.setting.grid.offsets
+        return shared, reduce(self.reference.stack, self.setting.data, shared, offsets=offsets)
+
+    def __call__(self, node: Node) -> float:
+        shared, views = self.views(node[0], node[1])
+        root = self._root(node)
+        reduced = eliminate(views, root)
+        level = self.setting.level
+        data, x = self.setting.data, self.reference.x
+        return laplace(reduced, x, data, self.prior, shared.log_det, level).log_evidence
+
+    def _root(self, node: Node) -> Array | None:
+        error = self.setting.grid.error(node)
+        return self.setting.geometry.offset_root(error, self.setting.unit)
+
+    def problem(self, node: Node) -> Problem:
+        """Put the lens under an error model."""
+        shared, _ = self.views(node[0], node[1])
+        return replace(self.reference, shared=shared, root=self._root(node))

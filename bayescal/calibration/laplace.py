@@ -1,0 +1,177 @@
+r"""Evidence of a lens model by linear algebra, where residuals are linear in the lens.
+
+What is left of the data is a quadratic S in the lens's coordinates x (`reduction`). With poses
+and offsets integrated by Laplace and ln sigma uniform over its bounds,
+
+    p(data | x) = p(poses)^V |R|^(-1/2) |H|^(-1/2) \int (2 pi sigma^2)^(-nu / 2)
+                  exp(-S(x) / (2 sigma^2)) d ln sigma / ln(high / low),     nu = 2N - 6V,
+
+H the precision of poses and offsets. At each combination of strengths the prior is normal, and
+x is integrated by Laplace about the mode of S^(-nu/2) times the prior.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import gammaln, logsumexp
+
+from bayescal.arrays import Array
+from bayescal.calibration.observations import Observations
+from bayescal.calibration.reduction import Reduced
+from bayescal.calibration.strengths import Strengths
+from bayescal.prior.strength import Strength
+
+SIGMA_BOUNDS = (0.01, 10.0)  # px
+REACH = 50.0  # diagonals: positions of the target are uniform within it
+# Rotations are uniform (8 pi^2 is their volume), positions within a ball.
+LOG_POSE = -math.log(8 * math.pi**2) - math.log(4 / 3 * math.pi * REACH**3)
+STEPS = 6
+
+
+@dataclass(frozen=True)
+class Level:
+    """What is known of sigma: a value in px, or None where it is inferred."""
+
+    sigma: float | None = None
+
+    def log_density(self, squares: Array, nu: int) -> Array:
+        """Log density of residuals by their sum of squares, sigma integrated out."""
+        if self.sigma is None:
+            low, high = (math.log(b) for b in SIGMA_BOUNDS)
+            flat = Strength((low, high), nu).log_density(np.ravel(squares))
+            return np.asarray(flat).reshape(np.shape(squares))
+        constant = -nu / 2 * math.log(2 * math.pi) - nu * math.log(self.sigma)
+        return np.asarray(constant - squares / (2 * self.sigma**2))
+
+    def variance(self, squares: Array, nu: int) -> Array:
+        """Most probable sigma^2, px^2, within the bounds."""
+        if self.sigma is not None:
+            return np.full(np.shape(squares), self.sigma**2)
+        return np.clip(squares / nu, SIGMA_BOUNDS[0] ** 2, SIGMA_BOUNDS[1] ** 2)
+
+
+INFERRED = Level()
+
+
+def degrees(data: Observations) -> int:
+    """Values less six for each pose: what is left to tell of sigma and the lens."""
+    return 2 * data.n_points - 6 * data.n_views
+
+
+@dataclass(frozen=True, eq=False)
+class Laplace:
+    """The posterior as a mixture of normals, one for each combination of strengths.
+
+    Attributes
+    ----------
+    log_evidence : float
+    log_mass : Array
+        Log evidence of each combination times its share, ``(n_combinations,)``.
+    step : Array
+        Mode of each, from where residuals were linearised, ``(n_combinations, d)``.
+    precision : Array
+        ``(n_combinations, d, d)``.
+    """
+
+    log_evidence: float
+    log_mass: Array
+    step: Array
+    precision: Array
+
+    @property
+    def mean(self) -> Array:
+        """Mean of the step, ``(d,)``."""
+        return np.asarray(self._shares @ self.step)
+
+    @property
+    def _shares(self) -> Array:
+        shares = np.exp(self.log_mass - self.log_mass.max())
+        return np.asarray(shares / shares.sum())
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the coordinates, ``(d, d)``."""
+        shares, gap = self._shares, self.step - self.mean
+        kept = shares > 1e-6
+        within = np.einsum("c,cij->ij", shares[kept], np.linalg.inv(self.precision[kept]))
+        return np.asarray(within + (gap * shares[:, None]).T @ gap)
+
+
+def laplace(
+    reduced: Reduced,
+    x: Array,
+    data: Observations,
+    prior: Strengths,
+    log_det_noise: float,
+    level: Level = INFERRED,
+) -> Laplace:
+    """Integrate over a lens model's coordinates, sigma and strengths.
+
+    Parameters
+    ----------
+    reduced : Reduced
+    x : Array
+        Where residuals were linearised, ``(d,)``.
+    data : Observations
+    prior : Strengths
+    log_det_noise : float
+        Log determinant of the noise's covariance over sigma^2.
+    level : Level, optional
+    """
+    nu, d = degrees(data), len(x)
+    a, towards = reduced.precision, prior.mean - x
+    variance = level.variance(np.full(len(prior.log_weight), reduced.sum_of_squares), nu)
+    for _ in range(STEPS if level.sigma is None else 1):
+        pull = prior.precision * towards
+        precision = a / variance[:, None, None] + _diagonal(prior.precision)
+        step = _solve(precision, reduced.slope / variance[:, None] + pull)
+        uphill = step @ a - reduced.slope  # half the slope of S
+        squares = reduced.sum_of_squares + ((uphill - reduced.slope) * step).sum(axis=1)
+        squares = np.maximum(squares, np.finfo(float).tiny)
+        variance = level.variance(squares, nu)
+    curvature = a / variance[:, None, None] + _diagonal(prior.precision)
+    ratio = np.zeros(len(squares))
+    if level.sigma is None:
+        # -2 ln p = nu ln S bends less than S / sigma^2 does, which the integral over a t has
+        # in its gamma functions.
+        bent = curvature - 2 / (nu * variance[:, None, None] ** 2) * (
+            uphill[:, :, None] * uphill[:, None, :]
+        )
+        sound = np.linalg.eigvalsh(bent)[:, 0] > 0
+        curvature = np.where(sound[:, None, None], bent, curvature)
+        share = np.trace(
+            np.linalg.solve(curvature, np.broadcast_to(a, curvature.shape)), axis1=1, axis2=2
+        )
+        share = np.clip(share / variance, 0, d)
+        ratio = gammaln((nu - share) / 2) - gammaln(nu / 2) + share / 2 * math.log(nu / 2)
+    deviation = (step - towards) ** 2
+    log_mass = (
+        level.log_density(squares, nu)
+        + prior.log_weight
+        + prior.log_density
+        - 0.5 * (prior.precision * deviation).sum(axis=1)
+        + d / 2 * math.log(2 * math.pi)
+        - 0.5 * np.linalg.slogdet(curvature)[1]
+        + ratio
+    )
+    log_mass = log_mass + constant(data, reduced.log_det, log_det_noise)
+    return Laplace(float(logsumexp(log_mass)), log_mass, step, curvature)
+
+
+def constant(data: Observations, log_det: float, log_det_noise: float) -> float:
+    """Sum what does not depend on the lens: weights, determinants and the poses' prior, nat."""
+    return data.log_weight - (log_det + log_det_noise) / 2 + data.n_views * LOG_POSE
+
+
+def _diagonal(rows: Array) -> Array:
+    return np.asarray(rows[:, :, None] * np.eye(rows.shape[1]))
+
+
+def _solve(matrices: Array, vectors: Array) -> Array:
+    """Solve scaled systems, ``(n, d, d)`` and ``(n, d)``."""
+    scale = 1 / np.sqrt(np.diagonal(matrices, axis1=1, axis2=2))
+    scaled = matrices * scale[:, :, None] * scale[:, None, :]
+    return np.asarray(np.linalg.solve(scaled, (vectors * scale)[..., None])[..., 0] * scale)

@@ -1,0 +1,145 @@
+"""Least squares over a lens and all poses: Levenberg-Marquardt with the poses eliminated."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.calibration.error_model import Shared
+from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.observations import Observations
+from bayescal.calibration.reduction import eliminate, pose_response, reduce
+from bayescal.calibration.stacking import Poses, Stacked, residuals, stacked
+
+MOST_STEPS = 200
+SETTLED = 1e-13  # relative fall of the sum of squares
+FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-15, 1e12
+INDEPENDENT = Shared(None, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A lens and poses at the least sum of squares under independent noise.
+
+    Attributes
+    ----------
+    x : Array
+        Coordinates of the lens, ``(dimension,)``.
+    poses : Poses
+    sum_of_squares : float
+        Weighted, px^2; infinite where a point can't be seen.
+    converged : bool
+    """
+
+    x: Array
+    poses: Poses
+    sum_of_squares: float
+    converged: bool
+
+
+def rms(data: Observations, sum_of_squares: float) -> float:
+    """Root mean square distance of points from their predictions, px."""
+    return math.sqrt(sum_of_squares / data.n_points)
+
+
+def cost(model: LensModel, data: Observations, x: Array, poses: Poses) -> float:
+    """Sum of squared weighted residuals; infinite where a point can't be seen."""
+    misfit, possible = residuals(model, data, x, poses)
+    with np.errstate(over="ignore"):
+        total = float((misfit**2).sum())
+    return total if possible and math.isfinite(total) else math.inf
+
+
+def least_squares(
+    model: LensModel,
+    data: Observations,
+    x: Array,
+    poses: Poses,
+    most_steps: int = MOST_STEPS,
+    prior_precision: Array | None = None,
+) -> Fit:
+    """Climb down from a lens and poses.
+
+    Parameters
+    ----------
+    model : LensModel
+    data : Observations
+    x : Array
+        Where to start, ``(dimension,)``.
+    poses : Poses
+    most_steps : int, optional
+    prior_precision : Array, optional
+        Of normal priors about the plain coordinates' means and 0, in units of the
+        residuals' variance, ``(dimension,)``; none by default.
+
+    Returns
+    -------
+    Fit
+        Marquardt 1963, J. SIAM 11, 431; the damping acts on poses and lens alike.
+    """
+    pull = np.zeros(model.dimension) if prior_precision is None else prior_precision
+    mean = np.zeros(model.dimension)
+    mean[: model.n_plain] = model.plain_prior[0]
+
+    def merit(x: Array, poses: Poses) -> float:
+        return cost(model, data, x, poses) + float(pull @ (x - mean) ** 2)
+
+    value, damping, converged = merit(x, poses), FIRST_DAMPING, False
+    if not math.isfinite(value):
+        return Fit(x, poses, math.inf, False)
+    for _ in range(most_steps):
+        stack = stacked(model, data, x, poses)
+        found = None
+        while damping < MOST_DAMPING:
+            step, moves = _step(stack, data, damping, pull, mean - x)
+            trial = x + step, poses.moved(moves)
+            new = merit(*trial)
+            if new <= value:
+                found = trial, new
+                break
+            damping = max(10 * damping, 1e-9)
+        if found is None:
+            converged = True  # nothing nearby is lower
+            break
+        (x, poses), gain = found[0], value - found[1]
+        value = found[1]
+        damping = max(damping / 10, LEAST_DAMPING)
+        if gain <= SETTLED * value:
+            converged = True
+            break
+    return Fit(x, poses, cost(model, data, x, poses), converged)
+
+
+def _step(
+    stack: Stacked, data: Observations, damping: float, pull: Array, towards: Array
+) -> tuple[Array, Array]:
+    views = reduce(stack, data, INDEPENDENT, offsets=False, damping=damping)
+    reduced = eliminate(views, None)
+    precision = reduced.precision + np.diag(pull)
+    scale = 1 / np.sqrt(np.maximum(np.diag(precision), np.finfo(float).tiny))
+    scaled = precision * scale * scale[:, None] + damping * np.eye(len(scale))
+    slope = (reduced.slope + pull * towards) * scale
+    try:
+        step = scale * np.linalg.solve(scaled, slope)
+    except np.linalg.LinAlgError:
+        step = scale * np.linalg.lstsq(scaled, slope)[0]
+    response = pose_response(views, reduced, None)
+    return step, response[..., -1] - response[..., :-1] @ step
+
+
+def carried(old: LensModel, x: Array, new: LensModel) -> Array:
+    """Coordinates of a lens in those of another: terms of the same name keep their values."""
+    intrinsics, k, bow = old.physical(x)
+    known = dict(zip(old.lens.names, k, strict=True))
+    start = zip(new.lens.names, new.lens.start, strict=True)
+    taken = np.array([known.get(name, value) for name, value in start])
+    return new.coordinates(intrinsics, taken, bow if old.bow else None)
+
+
+def with_bow(fit: Fit, model: LensModel) -> tuple[LensModel, Fit]:
+    """Let the target bow: the same model and fit with two coordinates more, at 0."""
+    bowed = replace(model, bow=True)
+    return bowed, replace(fit, x=np.concatenate([fit.x, np.zeros(2)]))

@@ -1,0 +1,199 @@
+r"""A lens model's parameters: coordinates in which priors are stated in pixels.
+
+Coordinates are ln(f / width), ln(fy / fx), the principal point (px), for each distortion
+coefficient the displacement d_j (px) it makes at the image's corner radius R, and the bow of
+a planar target (in its diagonals). With n the power of the radius that the displacement of
+k_j grows with, k_j = d_j f^(n - 1) / R^n.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.cameras.lenses.lens import Lens
+
+LOG_2PI = math.log(2 * math.pi)
+FOCAL_SD, ASPECT_SD, CENTRE_SD = 0.7, 0.05, 0.1
+# Bounds of tau, the size of the displacements: fractions of the width; of the diagonal for bow.
+WIDE, NARROW, BOW = (1e-3, 0.5), (1e-4, 0.05), (1e-4, 0.03)
+STRENGTHS = {"tangential": NARROW, "thin-prism": NARROW, "bow": BOW}
+
+
+@dataclass(frozen=True)
+class Group:
+    """Coordinates that share a strength tau.
+
+    Attributes
+    ----------
+    name : str
+    columns : tuple of int
+    unit : float
+        What tau is a fraction of: the image's width in px, or one diagonal.
+    bounds : tuple of float
+        Of tau.
+    """
+
+    name: str
+    columns: tuple[int, ...]
+    unit: float
+    bounds: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class LensModel:
+    """A lens with the switches that fix what else is free.
+
+    Attributes
+    ----------
+    key : str
+        As tables show it.
+    lens : Lens
+    size : tuple of float
+        Width and height of the image, px.
+    square : bool
+        Whether fx = fy.
+    centred : bool
+        Whether the principal point stays at the middle of the image.
+    bow : bool
+        Whether the target may bow: z += b_x (1 - x^2) + b_y (1 - y^2), x and y scaled to -1..1.
+    """
+
+    key: str
+    lens: Lens
+    size: tuple[float, float]
+    square: bool = False
+    centred: bool = False
+    bow: bool = False
+
+    @property
+    def middle(self) -> Array:
+        """Middle of the image, px."""
+        return (np.array(self.size) - 1) / 2
+
+    @property
+    def radius(self) -> float:
+        """Half the image's diagonal, px."""
+        return math.hypot(*self.size) / 2
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the reported parameters."""
+        bow = ("bow_x", "bow_y") if self.bow else ()
+        focal = ("f",) if self.square else ("fx", "fy")
+        centre = () if self.centred else ("cx", "cy")
+        return (*focal, *centre, *self.lens.names, *bow)
+
+    @property
+    def dimension(self) -> int:
+        """Number of coordinates."""
+        return len(self.names)
+
+    @property
+    def n_plain(self) -> int:
+        """Coordinates without a strength: the first ones."""
+        return (1 if self.square else 2) + (0 if self.centred else 2)
+
+    @cached_property
+    def groups(self) -> tuple[Group, ...]:
+        """Groups of coordinates that share a tau."""
+        of: dict[str, list[int]] = {}
+        for j, name in enumerate(self.lens.groups):
+            of.setdefault(name, []).append(self.n_plain + j)
+        if self.bow:
+            of["bow"] = [self.dimension - 2, self.dimension - 1]
+        return tuple(
+            Group(
+                name,
+                tuple(columns),
+                1.0 if name == "bow" else self.size[0],
+                STRENGTHS.get(name, WIDE),
+            )
+            for name, columns in of.items()
+        )
+
+    @cached_property
+    def plain_prior(self) -> tuple[Array, Array]:
+        """Mean and sd of the coordinates without a strength."""
+        mean, sd = [0.0], [FOCAL_SD]
+        if not self.square:
+            mean, sd = [*mean, 0.0], [*sd, ASPECT_SD]
+        if not self.centred:
+            mean, sd = [*mean, *self.middle], [*sd, *[CENTRE_SD * self.size[0]] * 2]
+        return np.array(mean), np.array(sd)
+
+    def log_plain_prior(self, x: Array) -> Array:
+        """Log prior density of those, ``(...,)``."""
+        mean, sd = self.plain_prior
+        z = (x[..., : len(mean)] - mean) / sd
+        return np.asarray(-0.5 * (z**2 + LOG_2PI).sum(axis=-1) - np.log(sd).sum())
+
+    @cached_property
+    def _powers(self) -> Array:
+        return np.array(self.lens.powers, dtype=np.float64)
+
+    def physical(self, x: Array) -> tuple[Array, Array, Array]:
+        """Intrinsics fx, fy, cx, cy, coefficients and bow at coordinates ``(..., dimension)``."""
+        fx = self.size[0] * np.exp(x[..., 0])
+        fy = fx if self.square else fx * np.exp(x[..., 1])
+        at = 1 if self.square else 2
+        if self.centred:
+            cx, cy = (np.full(fx.shape, m) for m in self.middle)
+        else:
+            cx, cy, at = x[..., at], x[..., at + 1], at + 2
+        n = len(self.lens.names)
+        k = x[..., at : at + n] * self._scale(fx)
+        return np.stack([fx, fy, cx, cy], axis=-1), k, x[..., at + n :]
+
+    def coordinates(self, intrinsics: Array, k: Array, bow: Array | None = None) -> Array:
+        """Coordinates of physical parameters; the inverse of `physical`."""
+        fx, fy, cx, cy = np.moveaxis(intrinsics, -1, 0)
+        parts = [np.log(fx / self.size[0])[..., None]]
+        if not self.square:
+            parts.append(np.log(fy / fx)[..., None])
+        if not self.centred:
+            parts.append(np.stack([cx, cy], axis=-1))
+        parts.append(k / self._scale(fx))
+        if self.bow:
+            parts.append(np.zeros((*fx.shape, 2)) if bow is None else bow)
+        return np.concatenate(parts, axis=-1)
+
+    def report(self, x: Array, diagonal: float) -> Array:
+        """Give reported parameters at coordinates, ``(..., dimension)``; bow in the target's."""
+        intrinsics, k, bow = self.physical(x)
+        parts = [intrinsics[..., :1] if self.square else intrinsics[..., :2]]
+        if not self.centred:
+            parts.append(intrinsics[..., 2:])
+        return np.concatenate([*parts, k, bow * diagonal], axis=-1)
+
+    def _scale(self, fx: Array) -> Array:
+        """Coefficient that displaces by 1 px at the corner, ``(..., n_coefficients)``."""
+        power = self._powers
+        return np.asarray(fx[..., None] ** (power - 1) / self.radius**power)
+
+    def by_coordinate(self, x: Array, by_intrinsics: Array, by_k: Array) -> Array:
+        """Chain rule: derivatives by the coordinates but bow, ``(..., n, 2, dimension)``.
+
+        Parameters
+        ----------
+        x : Array
+            ``(dimension,)``.
+        by_intrinsics : Array
+            By fx, fy, cx, cy, ``(..., 4)``.
+        by_k : Array
+            ``(..., n_coefficients)``.
+        """
+        (fx, fy, _, _), k, _ = self.physical(x)
+        by_log_f = by_intrinsics[..., 0] * fx + by_intrinsics[..., 1] * fy
+        by_log_f = by_log_f + by_k @ (k * (self._powers - 1))
+        parts = [by_log_f[..., None]]
+        if not self.square:
+            parts.append(by_intrinsics[..., 1:2] * fy)
+        if not self.centred:
+            parts.append(by_intrinsics[..., 2:])
+        parts.append(by_k * self._scale(np.asarray(fx)))
+        return np.concatenate(parts, axis=-1)

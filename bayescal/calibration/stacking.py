@@ -1,0 +1,158 @@
+"""Residuals of all views and their derivatives, stacked view by view."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bayescal.arrays import Array, IntArray
+from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.observations import Observations
+from bayescal.cameras.pose import cross_matrices, rotations
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Where the target was in each view: X_camera = rotation X + translation.
+
+    Attributes
+    ----------
+    rotation : Array
+        ``(..., n_views, 3, 3)``.
+    translation : Array
+        ``(..., n_views, 3)``, diagonals of the target.
+    """
+
+    rotation: Array
+    translation: Array
+
+    def moved(self, step: Array) -> Poses:
+        """Poses turned by exp(step[:3]) on the camera's side and shifted by step[3:].
+
+        Parameters
+        ----------
+        step : Array
+            ``(..., n_views, 6)``, radians and diagonals.
+        """
+        turn = rotations(step[..., :3])
+        return Poses(turn @ self.rotation, self.translation + step[..., 3:])
+
+    def only(self, views: IntArray) -> Poses:
+        """Poses of some views."""
+        return Poses(self.rotation[..., views, :, :], self.translation[..., views, :])
+
+    def only_draw(self, draw: int) -> Poses:
+        """Poses of one draw of many."""
+        return Poses(self.rotation[draw], self.translation[draw])
+
+
+@dataclass(frozen=True, eq=False)
+class Stacked:
+    """Weighted residuals (observed less predicted) and derivatives of the prediction.
+
+    Attributes
+    ----------
+    residuals : Array
+        ``(n_views, n_places, 2)``.
+    by_lens : Array
+        ``(n_views, n_places, 2, dimension)``.
+    by_pose : Array
+        ``(n_views, n_places, 2, 6)``, as `Poses.moved` steps.
+    by_target : Array
+        By the point of the target, ``(n_views, n_places, 2, 3)``, px a diagonal.
+    possible : bool
+        Whether every point is where the lens can see it.
+    """
+
+    residuals: Array
+    by_lens: Array
+    by_pose: Array
+    by_target: Array
+    possible: bool
+
+
+def bowl(data: Observations) -> Array:
+    """Shape of the bow at each place: 1 - x^2 and 1 - y^2, ``(n_views, n_places, 2)``."""
+    half = np.maximum(np.abs(data.target[:, :2]).max(axis=0), 1e-300)
+    return np.asarray(1 - (data.world[..., :2] / half) ** 2)
+
+
+def camera_points(model: LensModel, data: Observations, bow: Array, poses: Poses) -> Array:
+    """Points in the camera's frame, ``(..., n_views, n_places, 3)``."""
+    rays = data.world @ np.swapaxes(poses.rotation, -1, -2) + poses.translation[..., None, :]
+    if model.bow:
+        depth = np.einsum("vnb,...b->...vn", bowl(data), bow)
+        rays = rays + depth[..., None] * poses.rotation[..., None, :, 2]
+    return np.asarray(rays)
+
+
+def residuals(
+    model: LensModel, data: Observations, x: Array, poses: Poses
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Weighted residuals at many draws.
+
+    Parameters
+    ----------
+    model : LensModel
+    data : Observations
+    x : Array
+        ``(..., dimension)``.
+    poses : Poses
+        Of the same leading axes.
+
+    Returns
+    -------
+    residuals : Array
+        ``(..., n_views, n_places, 2)``, 0 where nothing was seen.
+    possible : ndarray of bool
+        ``(...,)``: whether every point is where the lens can see it.
+    """
+    intrinsics, k, bow = model.physical(x)
+    rays = camera_points(model, data, bow, poses)
+    flat = rays.reshape(*rays.shape[:-3], -1, 3)
+    with np.errstate(all="ignore"):
+        plane = model.lens.distort(flat, k).reshape(*rays.shape[:-1], 2)
+        scale, centre = intrinsics[..., None, None, :2], intrinsics[..., None, None, 2:]
+        misfit = (data.pixels - centre - scale * plane) * data.weight
+        visible = model.lens.seen(flat, k).reshape(rays.shape[:-1])
+    misfit = np.where(data.seen[..., None], misfit, 0.0)
+    possible = (visible | ~data.seen).all(axis=(-1, -2)) & np.isfinite(misfit).all(
+        axis=(-1, -2, -3)
+    )
+    return misfit, possible
+
+
+def stacked(model: LensModel, data: Observations, x: Array, poses: Poses) -> Stacked:
+    """Residuals and derivatives at coordinates ``(dimension,)``."""
+    intrinsics, k, bow = model.physical(x)
+    rays = camera_points(model, data, bow, poses)
+    flat = rays.reshape(-1, 3)
+    with np.errstate(all="ignore"):
+        found = model.lens.jacobian(flat, k)
+        visible = model.lens.seen(flat, k).reshape(rays.shape[:-1])
+    shape = rays.shape[:2]
+    plane = found.plane.reshape(*shape, 2)
+    scale = intrinsics[:2]
+    weight = data.weight
+    misfit = (data.pixels - intrinsics[2:] - scale * plane) * weight
+    here = data.seen[..., None, None]
+    slope = scale[:, None] * found.by_ray.reshape(*shape, 2, 3) * weight[..., None]
+    slope = np.where(here, slope, 0.0)
+    turned = rays - poses.translation[:, None]
+    by_turn = -slope @ cross_matrices(turned)
+    by_intrinsics = np.zeros((*shape, 2, 4))
+    for axis in (0, 1):
+        by_intrinsics[..., axis, axis] = plane[..., axis] * weight[..., axis]
+        by_intrinsics[..., axis, 2 + axis] = weight[..., axis]
+    by_k = scale[:, None] * found.by_coefficient.reshape(*shape, 2, -1) * weight[..., None]
+    by_lens = model.by_coordinate(x, by_intrinsics, by_k)
+    by_target = slope @ poses.rotation[:, None]
+    if model.bow:
+        by_bow = by_target[..., 2, None] * bowl(data)[..., None, :]
+        by_lens = np.concatenate([by_lens, by_bow], axis=-1)
+    misfit = np.where(data.seen[..., None], misfit, 0.0)
+    by_lens = np.where(here, by_lens, 0.0)
+    possible = bool((visible | ~data.seen).all() and np.isfinite(misfit).all())
+    return Stacked(misfit, by_lens, np.concatenate([by_turn, slope], axis=-1), by_target, possible)
