@@ -32,6 +32,7 @@ _EXPORTS = {
     "save": "bayescal.points.writer",
     "save_views": "bayescal.points.view_writer",
     "thesis": "bayescal.points.bundled",
+    "chessboard": "bayescal.points.bundled",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
     "compare_polynomials": "bayescal.api.polynomials",
@@ -56,6 +57,7 @@ __all__ = [
     "Setup",
     "Views",
     "__version__",
+    "chessboard",
     "compare",
     "compare_families",
     "compare_polynomials",
@@ -85,7 +87,7 @@ if TYPE_CHECKING:
     from bayescal.api.outliers import outliers
     from bayescal.api.polynomials import compare_polynomials, fit_polynomial, least_squares
     from bayescal.errors import BayescalError, InputError
-    from bayescal.points.bundled import thesis
+    from bayescal.points.bundled import chessboard, thesis
     from bayescal.points.correspondences import Correspondences
     from bayescal.points.reader import load
     from bayescal.points.setup import Setup, load_setup

@@ -12,13 +12,14 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from bayescal.commands import compare, fit, outliers, plot, report, reproduce, simulate
+from bayescal.commands import compare, detect, fit, outliers, plot, report, reproduce, simulate
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.errors import BayescalError
 from bayescal.version import __version__
 
 COMMANDS = {
     "compare": compare,
+    "detect": detect,
     "fit": fit,
     "outliers": outliers,
     "plot": plot,

@@ -17,7 +17,7 @@ import bayescal
 ROOT = Path(bayescal.__file__).parent
 ROOMS = (
     *("version", "errors", "arrays", "rounding", "markup", "files"),
-    *("points", "polynomials", "cameras", "prior", "noise"),
+    *("points", "detection", "polynomials", "cameras", "prior", "noise"),
     *("linear", "inference", "density", "calibration", "comparison", "simulation"),
     *("report", "reproduction", "api", "__init__", "commands", "cli", "__main__"),
 )

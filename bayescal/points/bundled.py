@@ -7,6 +7,8 @@ from pathlib import Path
 
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
+from bayescal.points.view_reader import load_views
+from bayescal.points.views import Views
 
 
 def data_folder() -> Path:
@@ -28,3 +30,16 @@ def thesis() -> Correspondences:
     folder = data_folder() / "thesis"
     points = load(folder / "points.csv", folder / "setup.toml")
     return dataclasses.replace(points, source="thesis")
+
+
+def chessboard() -> Views:
+    """Load the corners of OpenCV's 13 photographs of a chessboard.
+
+    Returns
+    -------
+    Views
+        54 inner corners each, squares of 25 mm (as OpenCV's sample takes them), image 640
+        by 480 px.
+    """
+    found = load_views(data_folder() / "chessboard" / "views.csv")
+    return dataclasses.replace(found, source="chessboard")

@@ -1,0 +1,1 @@
+"""Photographs of a target: where its points are, found by OpenCV."""
