@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from bayescal.comparison.defence.noise_evidence import ESS
 from bayescal.comparison.outliers.analysis import find_outliers
 from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import OutlierStudy
-from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
+from bayescal.comparison.settings import DEFAULT_ESS, DEFAULT_ORDERS, Settings, checked_orders
 from bayescal.errors import InputError
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
@@ -30,7 +29,7 @@ def outliers(
     bad_offset: bool = False,
     significance: float = SIGNIFICANCE,
     seed: int = 0,
-    ess: int = ESS,
+    ess: int = DEFAULT_ESS,
     progress: Callable[[str], None] | None = None,
 ) -> OutlierStudy:
     """Find bad points, and whether the choice of the order depends on them.

@@ -105,8 +105,7 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
     _add_noise(parser, choose=one_noise)
     run = parser.add_argument_group("run")
     run.add_argument("--seed", type=int, metavar="N", help="of all randomness (0)")
-    default = 4000 if one_noise else 1000
-    run.add_argument("--ess", type=int, metavar="N", help=f"effective samples wanted ({default})")
+    run.add_argument("--ess", type=int, metavar="N", help="effective samples wanted (4000)")
 
 
 def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:

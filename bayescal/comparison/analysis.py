@@ -15,9 +15,10 @@ from bayescal.comparison.caveats import caveats, notes
 from bayescal.comparison.criteria import criteria
 from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
+from bayescal.comparison.key import Key
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.comparison.settings import Settings, check_resolved, noise_level, prior_rule
-from bayescal.comparison.sources import Computed, Source
+from bayescal.comparison.store import Store
 from bayescal.comparison.verdict import judge
 from bayescal.inference.posterior import Posterior, sample_posterior
 from bayescal.linear.least_squares import LeastSquaresFit, factorise, solve
@@ -37,7 +38,6 @@ class _Task:
     """One axis to compare, with what is known beside its own numbers."""
 
     data: AxisData
-    key: int  # of its random numbers
     orders: Sequence[int]
     other: Array | None = None
     camera: Array | None = None
@@ -51,7 +51,7 @@ def analyse_points(
     orders: dict[str, tuple[int, ...]],
     settings: Settings,
     progress: Progress | None,
-    source: Source | None = None,
+    store: Store | None = None,
 ) -> Comparison:
     """Compare the orders wanted of each axis of the separable family.
 
@@ -63,7 +63,7 @@ def analyse_points(
     settings : Settings
     progress : callable or None
         Called with axis and order before each model is sampled.
-    source : Source, optional
+    store : Store, optional
         Where posteriors come from; by default they are sampled.
 
     Returns
@@ -79,7 +79,6 @@ def analyse_points(
     tasks = {
         axis: _Task(
             data[axis],
-            AXES.index(axis),
             wanted,
             other=data["c" if axis == "r" else "r"].x,
             camera=points.camera_frame(),
@@ -91,8 +90,8 @@ def analyse_points(
     }
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
-        source = source or Computed()
-        axes = {a: _compare_axis(task, settings, progress, source) for a, task in tasks.items()}
+        kept = store or Store()
+        axes = {a: _compare_axis(task, settings, progress, kept) for a, task in tasks.items()}
     assumed = notes(points, axes.values())
     return Comparison(axes, separable.NAME, points, settings, assumed)
 
@@ -113,13 +112,13 @@ def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) ->
         With the single axis ``"y"``.
     """
     with threadpool_limits(1):
-        result = _compare_axis(_Task(data, 0, orders), settings, None, Computed())
+        result = _compare_axis(_Task(data, orders), settings, None, Store())
     assumed = (f"y: its span, {data.size:.6g}, stands for the image size in the prior",)
     return Comparison({"y": result}, "polynomial", None, settings, assumed)
 
 
 def _compare_axis(
-    task: _Task, settings: Settings, progress: Progress | None, source: Source
+    task: _Task, settings: Settings, progress: Progress | None, store: Store
 ) -> AxisComparison:
     orders = task.orders
     data, noise, noise_source = noise_level(task.data, settings, task.other, orders[-1])
@@ -133,9 +132,7 @@ def _compare_axis(
         from bayescal.comparison.robust_analysis import compare_robustly
 
         level = (data, noise, noise_source)
-        return compare_robustly(
-            level, rule, fits, settings, partial(_rng, settings, task), source, progress
-        )
+        return compare_robustly(level, rule, fits, settings, store, progress)
     replicates = pure_error(data.x, task.other, data.t, data.sd)
     reference = reference_sigma(noise, fits[orders[-1]], replicates)
     models = {k: LinearModel(factors, k, noise, priors[k], data.symbol) for k in orders}
@@ -143,8 +140,9 @@ def _compare_axis(
     for k in orders:
         if progress is not None:
             progress(data.axis, k)
-        sample = partial(sample_posterior, models[k], _rng(settings, task, k), settings.ess)
-        posteriors[k] = source.posterior(model_name(data.axis, k), models[k], sample)
+        key = Key.of_axis(data.axis, k, settings.noise)
+        sample = partial(sample_posterior, models[k], key.rng(settings.seed), settings.ess)
+        posteriors[k] = store.posterior(key, models[k], sample)
     chances, evidences = _probabilities(posteriors)
     found = {k: criteria(fits[k], noise, factors.n, factors.log_sd) for k in orders}
     results = tuple(
@@ -174,26 +172,15 @@ def _compare_axis(
         return plain
     if progress is not None:
         progress(data.axis, 0)
-    return _defended(plain, models, task, source, _rng(settings, task, 0))
-
-
-def model_name(axis: str, order: int) -> str:
-    """Name of a model in a run, such as ``"r-order-4"``."""
-    return f"{axis}-order-{order}"
-
-
-def _rng(settings: Settings, task: _Task, part: int) -> np.random.Generator:
-    """Random numbers of one model: keyed by axis and order, so that no other changes them."""
-    seed = np.random.SeedSequence(settings.seed, spawn_key=(task.key, part))
-    return np.random.default_rng(seed)
+    return _defended(plain, models, task, store, settings)
 
 
 def _defended(
     plain: AxisComparison,
     models: dict[int, LinearModel],
     task: _Task,
-    source: Source,
-    rng: np.random.Generator,
+    store: Store,
+    settings: Settings,
 ) -> AxisComparison:
     """Add the answers to a referee; a plain comparison does not pay for importing them."""
     from bayescal.comparison.adequacy.block import adequacy
@@ -204,6 +191,7 @@ def _defended(
     from bayescal.comparison.defence.world_units import world_units
 
     data, verdict, chosen = plain.data, plain.verdict, plain.chosen
+    rng = Key.of_axis(data.axis, 0, settings.noise).rng(settings.seed)
     posteriors = {r.order: r.posterior for r in plain.orders if isinstance(r.posterior, Posterior)}
     defence = defend(
         data,
@@ -214,7 +202,7 @@ def _defended(
         verdict.plausible,
         task.groups,
         rng,
-        partial(source.wins, data.axis),
+        partial(store.wins, data.axis),
     )
     draws = chosen.posterior.chain.draws
     tests = adequacy(
@@ -227,7 +215,7 @@ def _defended(
         draws.reshape(-1, draws.shape[2]),
         rng,
     )
-    defence = with_noises(plain, defence, source.noises(data.axis), rng)
+    defence = with_noises(plain, defence, store, settings)
     argued = argue(verdict, defence, {r.order: r.criteria for r in plain.orders}, data.size)
     argued = about_noise(argued, plain, defence)
     argued = replace(argued, caveats=(*argued.caveats, *concerns(tests)))

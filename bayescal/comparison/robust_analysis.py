@@ -11,10 +11,11 @@ import numpy as np
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
+from bayescal.comparison.key import Key
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.robust_caveats import robust_caveats
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.sources import Source
+from bayescal.comparison.store import Store
 from bayescal.comparison.verdict import judge
 from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.sampled_posterior import sample_model
@@ -30,8 +31,7 @@ def compare_robustly(
     rule: PriorRule,
     fits: Mapping[int, LeastSquaresFit],
     settings: Settings,
-    rng: Callable[[int], np.random.Generator],
-    source: Source,
+    store: Store,
     progress: Callable[[str, int], None] | None,
 ) -> AxisComparison:
     """Compare the orders of an axis under a noise model without a closed form.
@@ -47,9 +47,7 @@ def compare_robustly(
     fits : mapping of int to LeastSquaresFit
         By order.
     settings : Settings
-    rng : callable
-        Random numbers of an order; of the defence at 0.
-    source : Source
+    store : Store
     progress : callable or None
 
     Returns
@@ -64,9 +62,9 @@ def compare_robustly(
     for k, model in models.items():
         if progress is not None:
             progress(data.axis, k)
-        name = f"{data.axis}-order-{k}"
-        sample = partial(sample_model, model, rng(k), settings.ess)
-        posteriors[k] = source.sampled(name, model, sample)
+        key = Key.of_axis(data.axis, k, shape.name)
+        sample = partial(sample_model, model, key.rng(settings.seed), settings.ess)
+        posteriors[k] = store.posterior(key, model, sample)
     evidence = {k: p.log_evidence for k, p in posteriors.items()}
     chances = dict(zip(evidence, probabilities(list(evidence.values())), strict=True))
     results = tuple(
@@ -97,7 +95,7 @@ def compare_robustly(
         return plain
     if progress is not None:
         progress(data.axis, 0)
-    return _defended(plain, source, rng(0))
+    return _defended(plain, store, settings)
 
 
 def _parameters(names: tuple[str, ...]) -> int:
@@ -105,12 +103,12 @@ def _parameters(names: tuple[str, ...]) -> int:
     return len(names) - ("tau" in names)
 
 
-def _defended(plain: AxisComparison, source: Source, rng: np.random.Generator) -> AxisComparison:
+def _defended(plain: AxisComparison, store: Store, settings: Settings) -> AxisComparison:
     """Add the answers to a referee, as far as they exist."""
     from bayescal.comparison.defence.argument import argue
     from bayescal.comparison.defence.noise_evidence import about_noise, with_noises
     from bayescal.comparison.defence.robust_defence import defend_robustly
 
-    defence = with_noises(plain, defend_robustly(plain, rng), source.noises(plain.data.axis), rng)
+    defence = with_noises(plain, defend_robustly(plain, store, settings), store, settings)
     argued = about_noise(argue(plain.verdict, defence, {}, plain.data.size), plain, defence)
     return replace(plain, verdict=argued, defence=defence)

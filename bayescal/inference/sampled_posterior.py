@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
@@ -85,20 +84,6 @@ class SampledPosterior:
         lines = [f"<SampledPosterior: {chains} chains of {draws} draws"]
         lines += [f"  {p.name} = {p.mean:.6g} +- {p.sd:.2g}" for p in self.parameters]
         return "\n".join(lines) + ">"
-
-
-# Gives the posterior of the model of a name: by the computation handed over, or from where it
-# was kept under that name.
-Sampler: TypeAlias = Callable[[str, SampledModel, Callable[[], SampledPosterior]], SampledPosterior]
-
-
-def sampled_now(
-    name: str,  # noqa: ARG001 - for those who keep draws by name
-    model: SampledModel,  # noqa: ARG001
-    compute: Callable[[], SampledPosterior],
-) -> SampledPosterior:
-    """Compute a posterior: the `Sampler` where none was kept."""
-    return compute()
 
 
 def sample_model(

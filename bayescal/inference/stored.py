@@ -16,11 +16,39 @@ import numpy as np
 from bayescal.inference.arviz_bridge import Diagnostics, Draws
 from bayescal.inference.estimate import EvidenceEstimate
 from bayescal.inference.optimum import Mode
-from bayescal.inference.posterior import summarise
+from bayescal.inference.posterior import Posterior, posterior_of, summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.sampling import Chain
 from bayescal.inference.weighting import WeightedDraws
+from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.model import LinearModel
+
+
+def packed(posterior: Posterior | SampledPosterior | WeightedDraws) -> Draws:
+    """Arrange a posterior of whatever kind."""
+    if isinstance(posterior, SampledPosterior):
+        return pack_sampled(posterior)
+    if isinstance(posterior, WeightedDraws):
+        return pack_weighted(posterior)
+    return pack(posterior.chain, posterior.names)
+
+
+def unpacked(
+    draws: Draws, model: LinearModel | SampledModel
+) -> Posterior | SampledPosterior | WeightedDraws:
+    """Undo `packed`, to the last bit, for the model that the draws are of.
+
+    Raises
+    ------
+    ValueError
+        Where the draws are of other parameters, or something is missing.
+    """
+    if isinstance(model, LinearModel):
+        return posterior_of(exact_posterior(model), unpack(draws, model.names))
+    if "log_weights" in draws.groups.get("sample_stats", {}):
+        return unpack_weighted(draws, model)
+    return unpack_sampled(draws, model)
 
 
 def pack(chain: Chain, names: tuple[str, ...]) -> Draws:

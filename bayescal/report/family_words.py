@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from bayescal.comparison.families.results import FREE, PINHOLE, FamilyComparison, JointModel
+from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.key import FREE, PINHOLE
 from bayescal.comparison.weak import weak_combinations
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.polynomials import bivariate

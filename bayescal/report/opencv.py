@@ -19,7 +19,8 @@ from scipy.spatial.transform import Rotation
 
 from bayescal.arrays import Array, frozen
 from bayescal.cameras.pinhole import ANCHOR, POSE
-from bayescal.comparison.families.results import PINHOLE, FamilyComparison
+from bayescal.comparison.families.results import FamilyComparison
+from bayescal.comparison.key import PINHOLE
 from bayescal.density.pinhole import PinholeModel
 from bayescal.errors import InputError
 from bayescal.files import write_whole

@@ -133,7 +133,7 @@ SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
             shutil.copy(f / "draws/pinhole-0-free.nc", f / "draws/separable-1-1-free.nc"),
             forge(f, "draws/separable-1-1-free.nc"),
         ],
-        r"separable-1-1-free\.nc: holds other parameters than alpha_0",
+        r"separable-1-1-free\.nc: holds focal_r, .*, not alpha_0",
     ),
     "edited": (
         lambda f: edit(f / "result.json", ("verdict.text", "Mine wins.")),

@@ -7,20 +7,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
 from scipy.special import logsumexp
 
 from bayescal.comparison.defence.defence import Defence
 from bayescal.comparison.evidence import probabilities, strength
+from bayescal.comparison.key import Key
 from bayescal.comparison.results import AxisComparison
+from bayescal.comparison.settings import Settings
+from bayescal.comparison.store import Store
 from bayescal.comparison.verdict import AxisVerdict
 from bayescal.density.robust_linear import RobustLinearModel
-from bayescal.inference.sampled_posterior import (
-    SampledPosterior,
-    Sampler,
-    sample_model,
-    sampled_now,
-)
+from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.least_squares import factorise
 from bayescal.linear.model import LinearModel
@@ -32,8 +29,6 @@ from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.rounding import significant
 
-# Effective samples of a posterior of which only the evidence and means are wanted.
-ESS = 1000
 # 2 ln B above which another noise model is worth more than a bare mention (Kass & Raftery).
 MENTION = 2.0
 # Combined Monte Carlo errors that a difference must exceed to count.
@@ -92,9 +87,10 @@ def noise_evidence(
     rule: PriorRule,
     noise: NoiseModel,
     orders: Sequence[int],
-    rng: np.random.Generator,
-    ess: int = ESS,
-    sampler: Sampler = sampled_now,
+    settings: Settings,
+    store: Store,
+    *,
+    beside: bool = True,
 ) -> NoiseEvidence:
     """Evidence of orders under a noise model: in closed form, or sampled.
 
@@ -106,11 +102,10 @@ def noise_evidence(
         Proper.
     noise : NoiseModel
     orders : sequence of int
-    rng : numpy.random.Generator
-    ess : int, optional
-        Effective samples wanted of every parameter.
-    sampler : callable, optional
-        Gives the posteriors; by default they are sampled now.
+    settings : Settings
+    store : Store
+    beside : bool, optional
+        Whether the models stand beside those compared.
     """
     if isinstance(noise, Gaussian):
         factors = factorise(data, max(orders))
@@ -122,16 +117,12 @@ def noise_evidence(
         }
         return NoiseEvidence(noise.name, exact, dict.fromkeys(orders, 0.0), {}, {})
     posteriors = {}
-    for k, child in zip(orders, rng.spawn(len(orders)), strict=True):
+    for k in orders:
         model = RobustLinearModel.of_order(data, k, level, rule.of_order(k), noise)
-        name = model_name(data.axis, noise.name, k)
-        posteriors[k] = sampler(name, model, partial(sample_model, model, child, ess))
+        key = Key.of_axis(data.axis, k, noise.name)
+        sample = partial(sample_model, model, key.rng(settings.seed), settings.ess)
+        posteriors[k] = store.posterior(key, model, sample, beside=beside)
     return from_posteriors(noise.name, posteriors)
-
-
-def model_name(axis: str, noise: str, order: int) -> str:
-    """Name of a sampled model, under which a run keeps its draws."""
-    return f"{axis}-{noise}-order-{order}"
 
 
 def from_posteriors(name: str, posteriors: Mapping[int, SampledPosterior]) -> NoiseEvidence:
@@ -149,8 +140,8 @@ def from_posteriors(name: str, posteriors: Mapping[int, SampledPosterior]) -> No
 def with_noises(
     axis: AxisComparison,
     defence: Defence,
-    known: tuple[NoiseEvidence, ...] | None,
-    rng: np.random.Generator,
+    store: Store,
+    settings: Settings,
 ) -> Defence:
     """Add the evidence of the recommended order under every other noise model.
 
@@ -158,19 +149,19 @@ def with_noises(
     ----------
     axis : AxisComparison
     defence : Defence
-    known : tuple of NoiseEvidence or None
-        Where it was computed before.
-    rng : numpy.random.Generator
+    store : Store
+    settings : Settings
     """
     order = axis.verdict.order
     # A flat prior has no evidence, and no spare point tells the shape of the noise.
     if order is None or axis.chosen.fit.dof <= 0:
         return defence
+    known = store.noises(axis.data.axis)
     if known is None:
         others = [named(n, axis.data) for n in NOISE_MODELS if n != axis.noise_model.name]
         known = tuple(
-            noise_evidence(axis.data, axis.noise, axis.prior, noise, [order], child)
-            for noise, child in zip(others, rng.spawn(len(others)), strict=True)
+            noise_evidence(axis.data, axis.noise, axis.prior, noise, [order], settings, store)
+            for noise in others
         )
     return replace(defence, noises=known)
 

@@ -19,6 +19,8 @@ from bayescal.comparison.defence.stability import Beyond, beyond_of, orders_beyo
 from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.psis import sampled_leave_one_out
 from bayescal.comparison.results import AxisComparison
+from bayescal.comparison.settings import Settings
+from bayescal.comparison.store import Store
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import legendre_design
@@ -31,15 +33,16 @@ LEFT_OUT = (
 )
 
 
-def defend_robustly(axis: AxisComparison, rng: np.random.Generator) -> Defence:
+def defend_robustly(axis: AxisComparison, store: Store, settings: Settings) -> Defence:
     """Answer a referee's questions about an axis whose posteriors are sampled.
 
     Parameters
     ----------
     axis : AxisComparison
         With a recommended order.
-    rng : numpy.random.Generator
-        For the orders beyond the range.
+    store : Store
+        Of the draws, those of the orders beyond the range too.
+    settings : Settings
 
     Returns
     -------
@@ -64,7 +67,7 @@ def defend_robustly(axis: AxisComparison, rng: np.random.Generator) -> Defence:
         points if prediction else (),
         (),
         (),
-        _beyond(axis, evidence, rng),
+        _beyond(axis, evidence, store, settings),
         tuple(
             _worth(data, posteriors, verdict.order, k)
             for k in verdict.plausible
@@ -117,13 +120,15 @@ def _usable(data: AxisData, prediction: Mapping[int, Prediction]) -> list[int]:
 
 
 def _beyond(
-    axis: AxisComparison, evidence: Mapping[int, float], rng: np.random.Generator
+    axis: AxisComparison, evidence: Mapping[int, float], store: Store, settings: Settings
 ) -> Beyond:
     """Sample up to three orders above the compared range."""
     more, _ = orders_beyond(axis.data, max(evidence), axis.prior)
     everything = dict(evidence)
     if more:
-        found = noise_evidence(axis.data, axis.noise, axis.prior, axis.noise_model, more, rng)
+        found = noise_evidence(
+            axis.data, axis.noise, axis.prior, axis.noise_model, more, settings, store
+        )
         everything |= found.log_evidence
     return beyond_of(everything, more)
 

@@ -15,7 +15,6 @@ from bayescal.comparison.families.members import (
     stated_members,
 )
 from bayescal.comparison.families.models import (
-    FAMILIES,
     LINEAR,
     Axis,
     Wanted,
@@ -23,17 +22,15 @@ from bayescal.comparison.families.models import (
     noise_levels,
 )
 from bayescal.comparison.families.results import (
-    FREE,
-    PINHOLE,
-    STATED,
     FamilyComparison,
     FamilyRequest,
     JointModel,
 )
 from bayescal.comparison.families.robust import free_robust, stated_robust
 from bayescal.comparison.families.verdict import judge_families, model_probabilities
+from bayescal.comparison.key import FAMILIES, FREE, PINHOLE, STATED
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.sources import Computed, DrawsSource
+from bayescal.comparison.store import Store
 from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.notes import point_notes
@@ -52,7 +49,7 @@ def compare_joint(
     request: FamilyRequest,
     settings: Settings,
     progress: Progress | None = None,
-    source: DrawsSource | None = None,
+    store: Store | None = None,
 ) -> FamilyComparison:
     """Compare families of models of both axes.
 
@@ -63,8 +60,8 @@ def compare_joint(
     settings : Settings
     progress : callable, optional
         Called with the family and its position before its models are judged.
-    source : DrawsSource, optional
-        Gives the draws; by default they are drawn now.
+    store : Store, optional
+        Where posteriors come from; by default they are drawn now.
 
     Returns
     -------
@@ -78,7 +75,7 @@ def compare_joint(
     check_request(request, settings)
     if any(FREE in request.positions_of(family) for family in request.families):
         check_inferred(points)
-    source = source or Computed()
+    kept = store or Store()
     families, orders = request.families, request.orders
     with threadpool_limits(1):
         axes = {f: linear_axes(points, f, settings, orders[-1]) for f in families if f in LINEAR}
@@ -88,14 +85,14 @@ def compare_joint(
             for position in request.positions_of(family):
                 wanted, stated = _wanted(family, request), position == STATED
                 if family == PINHOLE:
-                    judged = pinhole_members(points, request, position, levels, settings, source)
+                    judged = pinhole_members(points, request, position, levels, settings, kept)
                 elif settings.choice.robust:
                     judge = stated_robust if stated else free_robust
-                    judged = judge(family, axes[family], wanted, points, settings, source)
+                    judged = judge(family, axes[family], wanted, points, settings, kept)
                 elif stated:
                     judged = stated_members(family, axes[family], wanted, points)
                 else:
-                    judged = free_members(family, axes[family], wanted, points, settings, source)
+                    judged = free_members(family, axes[family], wanted, points, settings, kept)
                 plans.append((f"{family}, position {position}", judged))
         found: list[JointModel] = []
         for words, judged in plans:

@@ -9,7 +9,8 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.caveats import PILE
-from bayescal.comparison.families.results import FREE, PINHOLE, STATED, JointModel
+from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.comparison.leave_one_out import paired_difference
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.pinhole import PinholeModel

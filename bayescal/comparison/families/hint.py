@@ -16,7 +16,7 @@ from bayescal.comparison.families.models import (
     joint_data,
     pinhole_model,
 )
-from bayescal.comparison.families.results import FREE
+from bayescal.comparison.key import FREE
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
 from bayescal.density.gaussian_pinhole import GaussianPinhole

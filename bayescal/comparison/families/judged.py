@@ -11,8 +11,9 @@ from scipy.special import softmax
 
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.families.results import JointLeaveOneOut, JointModel, ModelName
+from bayescal.comparison.families.results import JointLeaveOneOut, JointModel
 from bayescal.comparison.goodness import GoodnessOfFit
+from bayescal.comparison.key import Key
 from bayescal.comparison.psis import good_k, thinned
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
@@ -116,7 +117,7 @@ def leave_one_out_of(
 
 
 def judged_model(
-    name: ModelName,
+    name: Key,
     criteria: Criteria,
     found: Found,
     position: Array,

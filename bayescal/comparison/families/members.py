@@ -16,7 +16,6 @@ from bayescal.arrays import frozen
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families.judged import from_posterior, from_weighted, judged_model
 from bayescal.comparison.families.models import (
-    FAMILIES,
     Axis,
     NoiseLevels,
     Wanted,
@@ -28,18 +27,11 @@ from bayescal.comparison.families.models import (
     orders_of,
     pinhole_model,
 )
-from bayescal.comparison.families.results import (
-    FREE,
-    PINHOLE,
-    STATED,
-    FamilyRequest,
-    JointLeaveOneOut,
-    JointModel,
-    ModelName,
-)
+from bayescal.comparison.families.results import FamilyRequest, JointLeaveOneOut, JointModel
+from bayescal.comparison.key import FREE, PINHOLE, Key
 from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.sources import DrawsSource
+from bayescal.comparison.store import Store
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.pinhole import PinholeModel
@@ -94,7 +86,7 @@ def _products(
         if lr is not None and lc is not None:
             loo = JointLeaveOneOut(frozen(lr.pointwise + lc.pointwise))
         yield JointModel(
-            ModelName(family, named, STATED),
+            Key(family, named),
             joint_criteria(data, rss, count),
             zr + zc,
             math.hypot(er, ec),
@@ -111,7 +103,7 @@ def free_members(
     orders: Wanted,
     points: Correspondences,
     settings: Settings,
-    source: DrawsSource,
+    store: Store,
 ) -> Iterator[JointModel]:
     """Models at a free position: Laplace for all, draws for those that may matter."""
     check_orders(axes, orders)
@@ -120,21 +112,21 @@ def free_members(
         model, rss = free_model(points, axes, (k, m))
         count = sum(a.size for a in model.axes) + sum(data.inferred) + 3
         likelihood = joint_criteria(data, rss, count), joint_goodness(data, rss, count)
-        built.append((ModelName(family, named, FREE), model, likelihood, position_mode(model)))
+        built.append((Key(family, named, FREE), model, likelihood, position_mode(model)))
     best = max(built, key=lambda b: b[3].log_mass)[0]
 
     def judged() -> Iterator[JointModel]:
         for name, model, (criteria, goodness), mode in built:
-            proposal, rng = _about(mode), _rng(settings, name)
+            proposal, rng = _about(mode), name.rng(settings.seed)
             without = partial(_without_position, model, settings, name)
             if name == best:
                 guess = proposal, (mode,)
                 sample = partial(sample_model, model, rng, settings.ess, guess, POSITION_DRAWS)
-                posterior = source.sampled(name.key, model, sample)
+                posterior = store.posterior(name, model, sample)
                 found = from_posterior(posterior, model.log_left_out, without)
             else:
                 draw = partial(_weighed, model, mode, proposal, rng)
-                weighted = source.weighted(name.key, model, draw)
+                weighted = store.posterior(name, model, draw)
                 found = from_weighted(weighted, model.log_left_out, without)
             yield judged_model(name, criteria, found, model.start, goodness)
 
@@ -146,10 +138,10 @@ def _about(mode: Mode) -> TMixture:
 
 
 def _without_position(
-    model: FreePositionModel, settings: Settings, name: ModelName, point: int
+    model: FreePositionModel, settings: Settings, name: Key, point: int
 ) -> EvidenceEstimate:
     """Evidence of the other points, by weighted draws."""
-    rest, rng = model.without(point), _rng(settings, name, point + 1)
+    rest, rng = model.without(point), name.rng(settings.seed, point + 1)
     proposal = _about(position_mode(rest))
     return from_weights(drawn(rest, proposal, rng, REFIT_DRAWS)[1])
 
@@ -171,7 +163,7 @@ def pinhole_members(
     position: str,
     levels: NoiseLevels,
     settings: Settings,
-    source: DrawsSource,
+    store: Store,
 ) -> Iterator[JointModel]:
     """Sample the pinhole of each order at one kind of position."""
     fitted = [
@@ -181,9 +173,9 @@ def pinhole_members(
 
     def judged() -> Iterator[JointModel]:
         for k, model in fitted:
-            name = ModelName(PINHOLE, (k,), position)
-            sample = partial(_sample_pinhole, model, _rng(settings, name), settings.ess)
-            posterior = source.sampled(name.key, model, sample)
+            name = Key(PINHOLE, (k,), position, settings.noise)
+            sample = partial(_sample_pinhole, model, name.rng(settings.seed), settings.ess)
+            posterior = store.posterior(name, model, sample)
             count = sum(levels.data.inferred) + 2 * model.noise.dimension
             count += model.geometry.dimension
             criteria, goodness = Criteria(count), None
@@ -207,28 +199,14 @@ def _sample_pinhole(model: PinholeModel, rng: np.random.Generator, ess: int) -> 
 
 
 def _without(
-    model: PinholeModel, settings: Settings, name: ModelName
+    model: PinholeModel, settings: Settings, name: Key
 ) -> Callable[[int], EvidenceEstimate] | None:
     """How to have the evidence without a point, where that takes no sampling."""
     if not isinstance(model, GaussianPinhole):
         return None
 
     def evidence(point: int) -> EvidenceEstimate:
-        rng = _rng(settings, name, point + 1)
+        rng = name.rng(settings.seed, point + 1)
         return weighted_evidence(model.without(point), rng, REFIT_DRAWS)
 
     return evidence
-
-
-def random_numbers(settings: Settings, family: str, key: tuple[int, ...]) -> np.random.Generator:
-    """Random numbers of one model of a family, by a key of its own: no other changes them.
-
-    The key of a pair of axes begins with 1 at a free position and with 0 at the stated one.
-    """
-    whole = (2 + FAMILIES.index(family), *key)
-    return np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=whole))
-
-
-def _rng(settings: Settings, name: ModelName, *further: int) -> np.random.Generator:
-    key = (int(name.position == FREE), *name.orders, *further)
-    return random_numbers(settings, name.family, key)

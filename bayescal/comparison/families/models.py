@@ -10,8 +10,8 @@ import numpy as np
 from bayescal.arrays import Array, frozen
 from bayescal.cameras.pinhole import PinholeGeometry, Radial
 from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.families.results import PINHOLE, STATED
 from bayescal.comparison.goodness import GoodnessOfFit, chi_squared
+from bayescal.comparison.key import STATED
 from bayescal.comparison.settings import Settings, check_resolved, noise_level, prior_rule
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.gaussian_pinhole import GaussianPinhole
@@ -35,7 +35,6 @@ from bayescal.prior.camera import PinholePrior, pinhole_prior, position_prior
 
 LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
 Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
-FAMILIES = (*LINEAR, PINHOLE)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,8 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.families.models import linear_axes
-from bayescal.comparison.families.results import PINHOLE, FamilyComparison, JointModel
+from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.key import PINHOLE
 from bayescal.density.moving_axis import MovingAxis
 from bayescal.density.pinhole import PinholeModel
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bayescal.arrays import Array
+from bayescal.comparison.key import FREE, PINHOLE, STATED, Key
 from bayescal.points.correspondences import Correspondences
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
@@ -17,41 +18,6 @@ if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
     from bayescal.inference.sampled_posterior import SampledPosterior
     from bayescal.inference.weighting import WeightedDraws
     from bayescal.linear.closed_form import ExactPosterior
-
-STATED, FREE = "stated", "free"
-PINHOLE = "pinhole"  # the family without a closed form
-
-
-@dataclass(frozen=True)
-class ModelName:
-    """Which model of r and c: its family, orders and what is known of the position.
-
-    Attributes
-    ----------
-    family : str
-    orders : tuple of int
-        Of r and c in the separable family, else one.
-    position : str
-        ``"stated"`` or ``"free"``.
-    """
-
-    family: str
-    orders: tuple[int, ...]
-    position: str
-
-    @property
-    def order(self) -> str:
-        """The order in words: ``"4, 1"`` or ``"2"``."""
-        return ", ".join(str(k) for k in self.orders)
-
-    @property
-    def key(self) -> str:
-        """Name for a file: ``"separable-4-1-free"``."""
-        return "-".join([self.family, *map(str, self.orders), self.position])
-
-    def __str__(self) -> str:
-        order = f"({self.order})" if len(self.orders) > 1 else self.order
-        return f"{self.family} {order}, position {self.position}"
 
 
 @dataclass(frozen=True)
@@ -137,7 +103,7 @@ class JointModel:
 
     Attributes
     ----------
-    name : ModelName
+    name : Key
     criteria : Criteria
         K counts coefficients, inferred sigmas and the position where it is free; n counts points.
         There are no criteria of an exact fit, nor under robust noise, whose likelihood may have
@@ -164,7 +130,7 @@ class JointModel:
         Of a model that has no closed form and was not sampled.
     """
 
-    name: ModelName
+    name: Key
     criteria: Criteria
     log_evidence: float
     log_evidence_error: float
@@ -193,8 +159,8 @@ class FamilyVerdict:
 
     Attributes
     ----------
-    best : ModelName
-    plausible : tuple of ModelName
+    best : Key
+    plausible : tuple of Key
         Smallest set, by falling probability, that reaches 0.95.
     decided : bool
     families, positions : dict of str to float
@@ -205,8 +171,8 @@ class FamilyVerdict:
     text : str
     """
 
-    best: ModelName
-    plausible: tuple[ModelName, ...]
+    best: Key
+    plausible: tuple[Key, ...]
     decided: bool
     families: dict[str, float]
     positions: dict[str, float]

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 from scipy.special import logsumexp
@@ -26,12 +26,12 @@ from bayescal.comparison.families.judged import (
     leave_one_out_of,
     shortened,
 )
-from bayescal.comparison.families.members import random_numbers
 from bayescal.comparison.families.models import Axis, Wanted, check_orders, moving_axes, orders_of
-from bayescal.comparison.families.results import FREE, STATED, JointModel, ModelName
+from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.key import FREE, Key
 from bayescal.comparison.psis import good_k
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.sources import DrawsSource
+from bayescal.comparison.store import Store
 from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.density.robust_pair import RobustPair, paired
 from bayescal.density.robust_position import RobustFreePosition
@@ -43,6 +43,7 @@ from bayescal.inference.sampled_posterior import FITTED, SampledPosterior, sampl
 from bayescal.inference.t_mixture import TMixture
 from bayescal.inference.weighting import WeightedDraws, drawn, weigh
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import AXES
 from bayescal.prior.camera import position_prior
 
 # Draws that a pair of orders at a free position is weighed by, where it is not sampled.
@@ -56,7 +57,7 @@ def stated_robust(
     orders: Wanted,
     points: Correspondences,
     settings: Settings,
-    source: DrawsSource,
+    store: Store,
 ) -> Iterator[JointModel]:
     """Models at the stated position: products of two axes, each sampled."""
     models = [
@@ -64,20 +65,21 @@ def stated_robust(
         for i, axis in enumerate(axes)
     ]
 
-    @cache
     def posterior(i: int, order: int) -> SampledPosterior:
-        """Sample an axis; never called where a run has kept the pairs."""
-        rng = random_numbers(settings, family, (2 + i, order))
-        return sample_model(models[i][order], rng, settings.ess)
+        """Sample an axis, as a comparison of its orders would."""
+        key, model = Key.of_axis(AXES[i], order, settings.noise, family), models[i][order]
+        sample = partial(sample_model, model, key.rng(settings.seed), settings.ess)
+        return store.posterior(key, model, sample, beside=True)
 
     def judged() -> Iterator[JointModel]:
         for named, k, m in orders:
-            pair, name = RobustPair((models[0][k], models[1][m])), ModelName(family, named, STATED)
+            pair = RobustPair((models[0][k], models[1][m]))
+            name = Key(family, named, noise=settings.noise)
 
             def sample(k: int = k, m: int = m, pair: RobustPair = pair) -> SampledPosterior:
                 return paired(posterior(0, k), posterior(1, m), pair)
 
-            found = _from_pair(source.sampled(name.key, pair, sample))
+            found = _from_pair(store.posterior(name, pair, sample))
             place = frozen(points.setup.position)
             yield judged_model(name, _no_criteria(pair.names), found, place)
 
@@ -114,7 +116,7 @@ def _from_pair(posterior: SampledPosterior) -> Found:
 class _Candidate:
     """A pair of orders at a free position, before its draws."""
 
-    name: ModelName
+    name: Key
     model: RobustFreePosition
     modes: tuple[Mode, ...]
 
@@ -130,7 +132,7 @@ def free_robust(
     orders: Wanted,
     points: Correspondences,
     settings: Settings,
-    source: DrawsSource,
+    store: Store,
 ) -> Iterator[JointModel]:
     """Models at a free position: the best is sampled, the others are weighed."""
     check_orders(axes, orders)
@@ -139,14 +141,14 @@ def free_robust(
 
     def judged() -> Iterator[JointModel]:
         for made in candidates:
-            key, model = made.name.key, made.model
-            rng = random_numbers(settings, family, (1, *made.name.orders))
+            key, model = made.name, made.model
+            rng = key.rng(settings.seed)
             if made is best:
                 sample = partial(sample_model, model, rng, settings.ess)
-                found = from_posterior(source.sampled(key, model, sample), model.log_likelihood)
+                found = from_posterior(store.posterior(key, model, sample), model.log_likelihood)
             else:
                 draw = partial(_weighed, made, rng)
-                found = from_weighted(source.weighted(key, model, draw), model.log_likelihood)
+                found = from_weighted(store.posterior(key, model, draw), model.log_likelihood)
             place = frozen(model.position(made.modes[0].theta[None])[0])
             yield judged_model(made.name, _no_criteria(model.names), found, place)
 
@@ -170,7 +172,7 @@ def _candidate(
             f"{points.source}: no position in front of the points has a likelihood for "
             f"{family} {named}; check the camera position of the setup"
         )
-    return _Candidate(ModelName(family, named, FREE), model, modes)
+    return _Candidate(Key(family, named, FREE, settings.noise), model, modes)
 
 
 def _weighed(made: _Candidate, rng: np.random.Generator) -> WeightedDraws:

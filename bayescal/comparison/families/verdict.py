@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from scipy.special import logsumexp
 
 from bayescal.comparison.evidence import PLAUSIBLE, strength
-from bayescal.comparison.families.results import FREE, FamilyVerdict, JointModel, ModelName
+from bayescal.comparison.families.results import FamilyVerdict, JointModel
+from bayescal.comparison.key import FREE, Key
 from bayescal.comparison.verdict import percent
 
 
@@ -71,7 +72,7 @@ def judge_families(
     caveats : sequence of str
     """
     best = models[0]
-    plausible: list[ModelName] = []
+    plausible: list[Key] = []
     total = 0.0
     for model, chance in zip(models, chances, strict=True):
         plausible.append(model.name)
@@ -111,7 +112,7 @@ def judge_families(
     )
 
 
-def _sentence(name: ModelName) -> str:
+def _sentence(name: Key) -> str:
     words = str(name)
     return words[0].upper() + words[1:]
 

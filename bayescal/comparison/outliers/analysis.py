@@ -20,8 +20,9 @@ from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
 from bayescal.comparison.outliers.shared_errors import shared_errors
 from bayescal.comparison.settings import Settings, check_resolved, noise_level, prior_rule
+from bayescal.comparison.store import Store
 from bayescal.density.robust_linear import RobustLinearModel
-from bayescal.inference.sampled_posterior import SampledPosterior, Sampler, sampled_now
+from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.evidence import log_evidences
 from bayescal.linear.least_squares import factorise, solve
@@ -48,7 +49,7 @@ def find_outliers(
     noises: tuple[StudentT, OutlierMixture],
     rejection: RejectionRule,
     tell: Callable[[str], None],
-    sampler: Sampler = sampled_now,
+    store: Store | None = None,
 ) -> OutlierStudy:
     """Study the bad points of each axis wanted.
 
@@ -65,8 +66,8 @@ def find_outliers(
     rejection : RejectionRule
     tell : callable
         Called with the axis before each noise model is sampled.
-    sampler : callable, optional
-        Gives the posteriors of the robust models; by default they are sampled now.
+    store : Store, optional
+        Where posteriors come from; by default they are sampled.
 
     Returns
     -------
@@ -84,7 +85,6 @@ def find_outliers(
     with threadpool_limits(1):
         for name in names:
             other = data["c" if name == "r" else "r"].x
-            seeds = np.random.SeedSequence(settings.seed, spawn_key=(AXES.index(name), 0))
             axes[name] = _axis(
                 points,
                 noise_level(data[name], settings, other, orders[-1]),
@@ -92,10 +92,9 @@ def find_outliers(
                 orders,
                 noises,
                 rejection,
-                np.random.default_rng(seeds),
-                settings.ess,
+                settings,
                 tell,
-                sampler,
+                store or Store(),
             )
     return OutlierStudy(axes, points, rejection.significance, settings, noises)
 
@@ -107,10 +106,9 @@ def _axis(
     orders: tuple[int, ...],
     robust: tuple[NoiseModel, NoiseModel],
     rejection: RejectionRule,
-    rng: np.random.Generator,
-    ess: int,
+    settings: Settings,
     tell: Callable[[str], None],
-    sampler: Sampler,
+    store: Store,
 ) -> AxisOutliers:
     data, level, words = chosen
     factors = factorise(data, orders[-1])
@@ -123,9 +121,11 @@ def _axis(
     gaussian = _closed_form({k: e.log_integral for k, e in exact.items()})
     elimination = eliminate(data, orders, RejectionRule(rejection.significance, sigma=level.value))
     sampled = []
-    for noise, child in zip(robust, rng.spawn(2), strict=True):
+    for noise in robust:
         tell(data.axis)
-        sampled.append(noise_evidence(data, level, rule, noise, orders, child, ess, sampler))
+        sampled.append(
+            noise_evidence(data, level, rule, noise, orders, settings, store, beside=False)
+        )
     heavy, mixture = sampled
     best = max((gaussian, heavy, mixture), key=lambda e: e.total)
     order = best.order

@@ -8,7 +8,8 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from bayescal.comparison.families.results import FREE, PINHOLE, STATED, FamilyComparison, JointModel
+from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.comparison.verdict import percent
 from bayescal.report.figures.joint import LINES, SHADES
 from bayescal.report.figures.style import VERMILLION, WIDTH

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bayescal.comparison.analysis import analyse_points, model_name
+from bayescal.comparison.analysis import analyse_points
 from bayescal.comparison.defence.noise_evidence import NoiseEvidence
+from bayescal.comparison.key import Key
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.posterior import Posterior
 from bayescal.inference.sampled_posterior import SampledPosterior
-from bayescal.inference.stored import pack, pack_sampled
+from bayescal.inference.stored import packed
 from bayescal.points.setup import AXES
 from bayescal.polynomials import separable
 from bayescal.polynomials.axis_data import AxisData
@@ -75,10 +75,10 @@ class ComparisonKind(RunKind[Comparison]):
     def draws(self, result: Comparison) -> dict[str, Draws]:
         """Draws of every order of every axis."""
         return {
-            model_name(axis.data.axis, found.order): axis_draws(
-                found.posterior, axis.data, found.order
-            )
-            for axis in result.axes.values()
+            Key.of_axis(name, found.order, axis.noise_model.name).file(
+                axis.noise_model.name
+            ): axis_draws(found.posterior, axis.data, found.order)
+            for name, axis in result.axes.items()
             for found in axis.orders
         }
 
@@ -100,7 +100,7 @@ class ComparisonKind(RunKind[Comparison]):
                 f"{__version__} does not have ({run.between()}); upgrade bayescal"
             )
         orders = {name: tuple(o["order"] for o in axis["orders"]) for name, axis in axes.items()}
-        found = analyse_points(run.points(), orders, settings, None, _Stored(run))
+        found = analyse_points(run.points(), orders, settings, None, _Stored(run, settings.noise))
         return dataclasses.replace(found, hint=run.document.get("families", {}).get("hint"))
 
 
@@ -109,13 +109,8 @@ COMPARISON = ComparisonKind()
 
 def axis_draws(posterior: Posterior | SampledPosterior, data: AxisData, order: int) -> Draws:
     """Arrange the draws of one order of an axis for those who know nothing of bayescal."""
-    draws = (
-        pack(posterior.chain, posterior.names)
-        if isinstance(posterior, Posterior)
-        else pack_sampled(posterior)
-    )
     return described(
-        draws,
+        packed(posterior),
         {"pixel": data.t, "regressor": data.x},
         axis=data.axis,
         regressor=data.regressor,
@@ -124,7 +119,6 @@ def axis_draws(posterior: Posterior | SampledPosterior, data: AxisData, order: i
     )
 
 
-@dataclass(frozen=True)
 class _Stored(StoredDraws):
     """What a comparison's run keeps beside draws: numbers of its defence that take long."""
 

@@ -11,7 +11,7 @@ from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.results import FamilyComparison, FamilyRequest
 from bayescal.comparison.settings import Settings
 from bayescal.inference.arviz_bridge import Draws
-from bayescal.inference.stored import pack_sampled, pack_weighted
+from bayescal.inference.stored import packed
 from bayescal.points.setup import AXES
 from bayescal.report.document.families import SCHEMA, families_document
 from bayescal.report.kinds.comparison import COEFFICIENT, EVIDENCE, SETTINGS
@@ -75,19 +75,16 @@ class FamiliesKind(RunKind[FamilyComparison]):
         found = {}
         observed: dict[str, Array] = {axis: result.points.pixel(axis) for axis in AXES}
         for model in result.models:
-            if model.posterior is not None:
-                draws, library = pack_sampled(model.posterior), "emcee"
-            elif model.weighted is not None:
-                draws, library = pack_weighted(model.weighted), "bayescal"
-            else:
+            kept = model.posterior or model.weighted
+            if kept is None:
                 continue
-            found[model.name.key] = described(
-                draws,
+            found[model.name.file(result.settings.noise)] = described(
+                packed(kept),
                 dict(observed),
                 model=str(model.name),
                 units="focal, centre, sigma, coefficients px; rotation degrees; position world "
                 "units; tau a fraction of the image; scale a factor",
-                library=library,
+                library="bayescal" if model.posterior is None else "emcee",
             )
         return found
 
@@ -97,7 +94,9 @@ class FamiliesKind(RunKind[FamilyComparison]):
         Evidences without a point, which leave-one-out may need, come from the same random numbers.
         """
         request = _request(run.document["settings"], run)
-        return compare_joint(run.points(), request, settings, None, StoredDraws(run))
+        return compare_joint(
+            run.points(), request, settings, store=StoredDraws(run, settings.noise)
+        )
 
 
 FAMILIES = FamiliesKind()

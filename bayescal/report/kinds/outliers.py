@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from bayescal.comparison.defence.noise_evidence import model_name
+from bayescal.comparison.key import Key
 from bayescal.comparison.outliers.analysis import find_outliers
 from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import OutlierStudy
@@ -62,10 +62,10 @@ class OutliersKind(RunKind[OutlierStudy]):
     def draws(self, result: OutlierStudy) -> dict[str, Draws]:
         """Draws of every order under every noise model that is sampled."""
         return {
-            model_name(axis.data.axis, treatment.evidence.name, order): axis_draws(
+            Key.of_axis(name, order, treatment.evidence.name).file(): axis_draws(
                 posterior, axis.data, order
             )
-            for axis in result.axes.values()
+            for name, axis in result.axes.items()
             for treatment in axis.treatments
             for order, posterior in treatment.evidence.posteriors.items()
         }
@@ -82,7 +82,7 @@ class OutliersKind(RunKind[OutlierStudy]):
             (StudentT(asked["nu"]), OutlierMixture(infers_offset=asked["bad_offset"])),
             RejectionRule(run.document["significance"]),
             lambda _: None,
-            StoredDraws(run).sampled,
+            StoredDraws(run),
         )
 
 

@@ -150,6 +150,10 @@ class RunFiles:
             notes=tuple(notes),
         )
 
+    def keeps_draws(self, name: str) -> bool:
+        """Whether draws of a name were written."""
+        return f"{DRAWS}/{name}.nc" in self.manifest["files"]
+
     def read_draws(self, name: str, unpack: Callable[[Draws], Kept]) -> Kept:
         """Read the draws of a name, and make of them what they were."""
         place = f"{DRAWS}/{name}.nc"

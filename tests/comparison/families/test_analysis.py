@@ -12,7 +12,7 @@ from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.results import FamilyRequest
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.sources import Computed
+from bayescal.comparison.store import Store
 from bayescal.errors import InputError
 from bayescal.report.families import families_view, joint_fit_view
 from bayescal.report.render import render
@@ -150,13 +150,11 @@ def test_refusals(options, match):
         bc.compare_families(bc.thesis(), **options)
 
 
-class Undrawn(Computed):
+class Undrawn(Store):
     """Nothing may be drawn from it."""
 
-    def sampled(self, name, model, compute):  # noqa: ARG002
-        raise AssertionError(f"{name} was sampled")
-
-    weighted = sampled
+    def read(self, key, model, *, beside):  # noqa: ARG002
+        raise AssertionError(f"{key} was sampled")
 
 
 @pytest.mark.parametrize("noise", ["gaussian", "student-t"])
@@ -167,9 +165,9 @@ def test_what_can_not_be_fitted_is_refused_before_anything_is_drawn(noise):
     request = FamilyRequest(("separable", "pinhole"), (1,), ("free",))
     settings = Settings(noise=noise, defend=False)
     with pytest.raises(InputError, match="lie in one plane"):
-        compare_joint(flat, request, settings, source=Undrawn())
+        compare_joint(flat, request, settings, store=Undrawn())
     with pytest.raises(AssertionError, match="was sampled"):  # negative control
-        compare_joint(points, request, settings, source=Undrawn())
+        compare_joint(points, request, settings, store=Undrawn())
 
 
 @pytest.mark.parametrize("family", ["separable", "bivariate", "pinhole"])

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.families.results import JointModel, ModelName
+from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.families.verdict import judge_families, model_probabilities
+from bayescal.comparison.key import Key
 from bayescal.comparison.weak import weak_combinations
 
 
 def joint(family, orders, position, evidence):
-    name = ModelName(family, orders, position)
+    name = Key(family, orders, position)
     return JointModel(name, Criteria(5), evidence, 0.01, None, np.zeros(3))
 
 

@@ -121,7 +121,7 @@ def _parameters(model: JointModel) -> tuple[Block, ...]:
     how = "in closed form" if model.posterior is None else "from draws of emcee"
     return (
         Tabled(
-            f"families-{model.name.key}",
+            f"families-{model.name.file(model.name.noise)}",
             f"Posterior of the parameters of {model.name}, {how}.",
             parameters_table(model),
             (MEANINGS, *map(_sentence, power_words(model))),

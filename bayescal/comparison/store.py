@@ -1,0 +1,61 @@
+"""One store of draws: each candidate's posterior is had once, by its key."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar, cast
+
+from bayescal.comparison.key import Key
+from bayescal.linear.model import LinearModel
+
+if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
+    from bayescal.comparison.defence.noise_evidence import NoiseEvidence
+    from bayescal.inference.posterior import Posterior
+    from bayescal.inference.sampled_model import SampledModel
+    from bayescal.inference.sampled_posterior import SampledPosterior
+    from bayescal.inference.weighting import WeightedDraws
+
+    Kept = Posterior | SampledPosterior | WeightedDraws
+
+Draws = TypeVar("Draws", bound="Kept")
+
+
+class Store:
+    """Posteriors by the keys of their models: computed now, or read from a run (`read`)."""
+
+    def __init__(self) -> None:
+        self._kept: dict[Key, Kept] = {}
+
+    def posterior(
+        self,
+        key: Key,
+        model: LinearModel | SampledModel,
+        compute: Callable[[], Draws],
+        *,
+        beside: bool = False,
+    ) -> Draws:
+        """Posterior of a model: the one already had, else that of a run, else computed.
+
+        A run need not have kept a model that stands `beside` those compared.
+        """
+        if key not in self._kept:
+            self._kept[key] = self.read(key, model, beside=beside) or compute()
+        return cast("Draws", self._kept[key])
+
+    def read(
+        self,
+        key: Key,  # noqa: ARG002 - for those who keep draws
+        model: LinearModel | SampledModel,  # noqa: ARG002
+        *,
+        beside: bool,  # noqa: ARG002
+    ) -> Kept | None:
+        """Posterior that was kept of a model; None where it is to be computed."""
+        return None
+
+    def wins(self, axis: str, unit: str) -> dict[int, float] | None:  # noqa: ARG002
+        """Share of an axis's resamples that each order won; None where not yet known."""
+        return None
+
+    def noises(self, axis: str) -> tuple[NoiseEvidence, ...] | None:  # noqa: ARG002
+        """Evidence under other noise of an axis's defence; None where not yet known."""
+        return None
