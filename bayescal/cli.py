@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import io
 import os
 import re
 import shlex
@@ -14,6 +12,7 @@ from typing import Any, NoReturn
 
 from bayescal.commands import compare, detect, fit, outliers, plot, report, reproduce, simulate
 from bayescal.commands.output import BAD_INPUT, DONE
+from bayescal.commands.streams import discard, prepared
 from bayescal.errors import BayescalError
 from bayescal.version import __version__
 
@@ -55,7 +54,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         or disagree with the closed form, or an evidence should not be trusted.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
-    _prepare_streams()
+    with prepared():
+        return _answered(given)
+
+
+def _answered(given: list[str]) -> int:
+    """Run, with one line of complaint for whatever goes wrong."""
     try:
         try:
             return _run(given)
@@ -65,11 +69,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _say(str(error))
         return BAD_INPUT
     except BrokenPipeError:  # the reader of a pipe has had enough
-        _discard_output()
+        discard(sys.stdout)
         return DONE
     except OSError as error:
-        _discard_output()
+        discard(sys.stdout)
         _say(f"the output can't be written: {str(error.strerror or error).lower()}")
+        return BAD_INPUT
+    except MemoryError:
+        _say("there is not enough memory for this; give fewer points, orders or draws (--ess)")
+        return BAD_INPUT
+    except ImportError as error:
+        _say(f"{error}: a library can't be loaded; free memory, or install bayescal anew")
         return BAD_INPUT
     except KeyboardInterrupt:
         _say("interrupted; nothing was written")
@@ -86,6 +96,9 @@ def _run(given: list[str]) -> int:
         parser.error(f"unrecognized arguments: {' '.join(rest)}")
     import logging  # not needed by --help
 
+    # Figures are drawn into files; what the environment would show windows with is of no use.
+    os.environ["MPLBACKEND"] = "agg"
+
     # Where matplotlib can't keep a cache it says so at length, which helps nobody here.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     options.command_line = shlex.join(["bayescal", *given])
@@ -97,25 +110,9 @@ def _option(word: str) -> bool:
     return word.startswith("-") and word != "-"
 
 
-def _prepare_streams() -> None:
-    """Let a stream the shell has closed swallow what it gets; replace what it can't encode."""
-    for name in ("stdout", "stderr"):
-        stream = getattr(sys, name)
-        if stream is None:
-            setattr(sys, name, io.StringIO())
-        elif hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
-
-
-def _discard_output() -> None:
-    """Send what is still to be printed nowhere, so that nothing fails again at exit."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
 def _say(message: str) -> None:
-    """Complain on standard error, if there is anyone to hear."""
-    with contextlib.suppress(OSError):
-        print(f"bayescal: {_one_line(message)}", file=sys.stderr, flush=True)
+    """Complain on standard error."""
+    print(f"bayescal: {_one_line(message)}", file=sys.stderr, flush=True)
 
 
 def _one_line(message: str) -> str:

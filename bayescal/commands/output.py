@@ -61,6 +61,8 @@ def check_file(options: argparse.Namespace, path: Path) -> None:
     """
     from bayescal.files import check_free
 
+    if str(path) == "-":
+        raise InputError("-: this can't be written to standard output; name a file")
     check_free(path, force=options.force)
     place = path.resolve()
     for name in ("points", "setup", "like", "world", "pixels"):
@@ -99,6 +101,9 @@ def check_output(options: argparse.Namespace, folder: FolderKind | None = None) 
     from bayescal.files import check_folder
     from bayescal.report.run.folder import RUN
 
+    kind = folder or RUN
+    if options.out == "-":
+        raise InputError(f"-: a {kind.name} is a folder; name one (--json - prints the numbers)")
     place = Path(options.out)
     if document is not None and place.absolute() in (
         document.absolute(),
@@ -107,7 +112,7 @@ def check_output(options: argparse.Namespace, folder: FolderKind | None = None) 
         raise InputError(
             f"{options.json}: lies in --out, which holds the document anyway; drop --json"
         )
-    check_folder(place, folder or RUN, force=options.force)
+    check_folder(place, kind, force=options.force)
 
 
 def publish(

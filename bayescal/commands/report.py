@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from bayescal.commands import options as shared
 from bayescal.commands.families import add_families, families_of
 from bayescal.commands.output import add_progress, check_file, code_of
+from bayescal.commands.streams import print_utf8
 from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_families(parser, several=True)
     output = parser.add_argument_group("output")
-    output.add_argument("--out", required=True, metavar="FILE.html", help="the page")
+    output.add_argument("--out", required=True, metavar="FILE.html", help="the page; - prints it")
     output.add_argument(
         "--pdf", metavar="FILE.pdf", help="print it too, with the Chromium found on the PATH"
     )
@@ -53,7 +54,9 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.report.page.pdf import check_browser, find_browser, print_pdf
 
     out = Path(options.out)
-    check_file(options, out)
+    printed = options.out == "-"
+    if not printed:
+        check_file(options, out)
     browser = None
     if options.pdf is not None:
         if Path(options.pdf).resolve() == out.resolve():
@@ -72,14 +75,18 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.report.page.page import html
 
     made = html(page)
-    write_whole(out, made.encode(), force=options.force)
+    if printed:
+        print_utf8(made)
+    else:
+        write_whole(out, made.encode(), force=options.force)
     if browser is not None:
         created = page.made_by.rpartition(" ")[2]
         try:
             write_whole(Path(options.pdf), print_pdf(made, browser, created), force=options.force)
         except OutputError as error:
-            raise OutputError(f"{error}; {out} is written") from None
-    if not options.quiet:
+            done = "the page is printed" if printed else f"{out} is written"
+            raise OutputError(f"{error}; {done}") from None
+    if not options.quiet and not printed:
         size = len(made.encode()) / 1e6
         print(f"{out}: {size:.1f} MB" + (f"; {options.pdf}" if browser is not None else ""))
         print("\n".join(lines))

@@ -84,6 +84,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"seed must not be negative, but is {options.seed}")
     from bayescal.files import write_whole
 
+    if options.out == "-":
+        options.out = None
     if options.out is not None:
         check_file(options, Path(options.out))
     import numpy as np

@@ -85,6 +85,90 @@ def test_standard_input(tmp_path: Path) -> None:
     assert done.stdout.startswith(b"20 points from standard input")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (("compare", "none.csv"), 2),
+        (("compare", "--frobnicate"), 2),
+        (("compare", *SHORT, "--progress"), 0),
+        (("compare", "--orders", "1", "--axis", "r", "--ess", "100", "--seed", "-1"), 2),
+    ],
+)
+def test_a_full_disk_under_standard_error_changes_nothing(
+    arguments: tuple[str, ...], code: int, tmp_path: Path
+) -> None:
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(
+            [*COMMAND, *arguments],
+            cwd=tmp_path, env=environment(), stdout=subprocess.PIPE, stderr=full,
+        )  # fmt: skip
+    assert done.returncode == code
+    assert done.stdout == apart(*arguments, folder=tmp_path).stdout
+
+
+@pytest.mark.parametrize("megabytes", [150, 250, 400])
+def test_too_little_memory_is_one_line(megabytes: int, tmp_path: Path) -> None:
+    """Some of these limits strike while libraries are loaded, some later."""
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_AS, (megabytes * 10**6, megabytes * 10**6))
+
+    done = subprocess.run(
+        [*COMMAND, "compare", *SHORT],
+        cwd=tmp_path, env=environment(OPENBLAS_NUM_THREADS="1"), capture_output=True,
+        preexec_fn=limit,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stdout == b""
+    assert done.stderr.startswith(b"bayescal: ")
+    assert done.stderr.count(b"\n") == 1
+    assert b"memory" in done.stderr
+
+
+def test_a_pipe_without_end_is_read_no_further_than_stated(tmp_path: Path) -> None:
+    for arguments in ("compare -", "compare points.csv --setup /dev/zero"):
+        write(tmp_path, text(rows(20)))
+        done = subprocess.run(
+            ["sh", "-c", f'yes 1,2,3,4,5 | "$@" {arguments}', "sh", *COMMAND],
+            cwd=tmp_path, env=environment(), capture_output=True, text=True,
+        )  # fmt: skip
+        assert done.returncode == 2
+        assert "MB, the most that is read" in done.stderr.splitlines()[-1]
+        assert "Traceback" not in done.stderr
+
+
+def test_an_unusable_backend_of_matplotlib_is_no_business_of_the_command(tmp_path: Path) -> None:
+    done = apart(
+        "plot", "curve", "--axis", "r", "--orders", "1", "--ess", "100", "--out", "new.png",
+        folder=tmp_path, MPLBACKEND="no such backend",
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_a_dash_is_standard_output_or_refused(tmp_path: Path) -> None:
+    page = apart(
+        "report", "--out", "-", "--orders", "1", "--axis", "r", "--ess", "100",
+        folder=tmp_path, PYTHONIOENCODING="ascii",
+    )  # fmt: skip
+    assert page.returncode == 0
+    assert page.stdout.decode("utf-8").lstrip().startswith("<!DOCTYPE html>")
+    assert page.stdout.rstrip().endswith(b"</html>")
+    points = apart("simulate", "--order", "1", "--out", "-", folder=tmp_path)
+    assert b"\nx,y,z,r,c,label\n" in points.stdout
+    for arguments in (
+        ("compare", *SHORT, "--out", "-"),
+        ("fit", "--order-r", "1", "--out", "-"),
+        ("outliers", "--out", "-"),
+        ("reproduce", "--out", "-"),
+        ("report", "--out", "page.html", "--pdf", "-"),
+        ("plot", "curve", "--axis", "r", "--out", "-"),
+    ):
+        done = apart(*arguments, folder=tmp_path)
+        assert done.returncode == 2
+        assert done.stderr.startswith(b"bayescal: -: ")
+    assert list(tmp_path.iterdir()) == []
+
+
 def files_of_at_most(size: int) -> Callable[[], None]:
     """Limit how large a file a process may write, as a full disk would."""
 
