@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
+from fnmatch import fnmatch
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from bayescal.errors import InputError
 from bayescal.points.board import Board, board_named
+from bayescal.points.columns import parse_stated
+from bayescal.points.formats import orpc, table
 from bayescal.points.formats.source import Source
+from bayescal.points.frames import is_frame
 from bayescal.points.setup import Setup, load_setup
 from bayescal.points.table import read_bytes
+from bayescal.points.text import quoted
 from bayescal.points.views import Views
+from bayescal.rounding import counted
 
 # Formats in the order they are tried; the table takes what is left.
-FORMATS = ("table",)
+FORMATS = ("npz", "mat", "cameramodel", "vnl", "orpc", "table")
 WHAT = "a file of views"
 
 
 def load_views(
-    source: str | Path,
+    source: Any,
     *,
-    board: Board | str | None = None,
+    board: Board | str | Path | None = None,
     square: float | None = None,
+    columns: str | Mapping[str, str] | None = None,
+    only: str | None = None,
     width: float | None = None,
     height: float | None = None,
     setup: Setup | str | Path | None = None,
@@ -32,15 +41,19 @@ def load_views(
 
     Parameters
     ----------
-    source : str or Path
-        The file, or ``"-"`` for standard input: a table with columns ``view, x, y, z, r, c``
-        and optionally ``label``, ``sigma_r, sigma_c`` (px), or a file of another tool
-        (docs/views.md lists them).
-    board : Board or str, optional
+    source : str, Path or DataFrame
+        A file, ``"-"`` for standard input, or a data frame: a table with columns ``view, x,
+        y, z, r, c`` and optionally ``label``, ``sigma_r, sigma_c`` (px); or a file (or
+        folder) of another tool (docs/views.md lists them).
+    board : Board or str or Path, optional
         Points of the target where the file holds pixels alone: inner corners along x and y,
-        such as ``"9x6"``.
+        such as ``"9x6"``; or the file that describes it (``.dsc``).
     square : float, optional
         Distance of the board's neighbouring points; 1 by default.
+    columns : str or mapping, optional
+        Names or numbers of a table's columns, such as ``"view=photo,r=u,c=v"``.
+    only : str, optional
+        Pattern of the names of the views to keep, such as ``"*cam0*"``.
     width, height : float, optional
         Image size, px; goes before what the file says.
     setup : Setup or str or Path, optional
@@ -55,22 +68,75 @@ def load_views(
     InputError
         Where the file can't be used; the message says where and what to do.
     """
+    stated = parse_stated(columns) if isinstance(columns, str) else columns
+    if not isinstance(source, str | Path):
+        if not is_frame(source):
+            raise InputError(
+                f"views must be a file or a data frame, not {type(source).__name__}; arrays go "
+                "into Views.from_arrays"
+            )
+        found = table.from_frame(source, stated)
+    else:
+        given = _source(source, board, square, stated)
+        found = _format(given).read(given)
+    return _sized(_kept(found, only), *_stated(width, height, setup))
+
+
+def _source(
+    source: str | Path,
+    board: Board | str | Path | None,
+    square: float | None,
+    columns: Mapping[str, str] | None,
+) -> Source:
+    """Read the bytes, and bring what the user says of the board together."""
+    target = None
+    if isinstance(board, str | Path) and Path(board).suffix.lower() == ".dsc":
+        target, board = Path(board), None
     if square is not None and board is None:
         raise InputError("the square's side needs a board, such as 9x6")
-    if isinstance(board, str):
-        board = board_named(board, 1.0 if square is None else square)
+    if isinstance(board, str | Path):
+        board = board_named(str(board), 1.0 if square is None else square)
     elif board is not None and square is not None:
         board = dataclasses.replace(board, square=square)
-    name, raw = read_bytes(source, WHAT)
     path = None if str(source) == "-" else Path(source)
-    given = Source(name, raw, path, board)
-    found = _format(given).read(given)
-    return _sized(found, *_stated(width, height, setup))
+    folder = path is not None and _is_folder(path)
+    name, raw = (str(source), b"") if folder else read_bytes(str(source), WHAT)
+    given = Source(name, raw, path, board, target, columns)
+    if folder and not orpc.recognises(given):
+        raise InputError(f"{name}: is a folder without .orpc files; name a file of views")
+    if target is not None and not orpc.recognises(given):
+        raise InputError(f"{target.name} describes boards of .orpc files, which {name} is not")
+    return given
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False  # reading it says what is wrong
+
+
+def _kept(views: Views, only: str | None) -> Views:
+    """Keep the views whose names have a pattern."""
+    if only is None:
+        return views
+    kept = [i for i, name in enumerate(views.names) if fnmatch(name, only)]
+    if not kept:
+        raise InputError(
+            f"{views.source}: no view is called {quoted(only)}; there are "
+            f"{quoted(', '.join(views.names))}"
+        )
+    note = f"{len(kept)} of {counted(len(views), 'view')} kept, called {only}"
+    return dataclasses.replace(views.select(kept), notes=(*views.notes, note))
 
 
 def _format(source: Source) -> Any:
+    """Find the module that reads a file."""
     modules = (import_module(f"bayescal.points.formats.{name}") for name in FORMATS)
-    return next(module for module in modules if module.recognises(source))
+    found = next(module for module in modules if module.recognises(source))
+    if source.columns and found is not table:
+        raise InputError(f"{source.name}: is a {found.NAME}, whose columns are known")
+    return found
 
 
 def _stated(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,17 +23,28 @@ class Source:
         None for standard input.
     board : Board or None
         The target's points, where the file holds only pixels.
+    target : Path or None
+        A file that describes the target.
+    columns : mapping of str to str or None
+        What the user says of a table's columns.
     """
 
     name: str
     raw: bytes
     path: Path | None = None
     board: Board | None = None
+    target: Path | None = None
+    columns: Mapping[str, str] | None = None
 
     @property
     def suffix(self) -> str:
         """Extension, lower case, with its dot."""
         return self.path.suffix.lower() if self.path is not None else ""
+
+    @property
+    def is_folder(self) -> bool:
+        """Whether it is a folder of files."""
+        return self.path is not None and self.path.is_dir()
 
     def refuse_board(self) -> None:
         """Refuse a board where the file has the target's points itself.
@@ -41,5 +53,5 @@ class Source:
         ------
         InputError
         """
-        if self.board is not None:
+        if self.board is not None or self.target is not None:
             raise InputError(f"{self.name}: states the target's points itself; leave --board out")

@@ -10,15 +10,20 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import re
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.points.columns import PIXEL_SIGMAS, Columns
+from bayescal.points.content import Content
+from bayescal.points.exports import parquet, spreadsheet
 from bayescal.points.formats.source import Source
-from bayescal.points.table import Row, number, read_rows
-from bayescal.points.text import decode, quoted
+from bayescal.points.frames import frame_table
+from bayescal.points.table import Row, Rows, number, read_rows, rows_of
+from bayescal.points.text import quoted
 from bayescal.points.views import Views
 
 NAME = "table of views"
@@ -44,21 +49,43 @@ def read(source: Source) -> Views:
         Where it can't be used; the message names its line.
     """
     source.refuse_board()
-    name = source.name
-    text = decode(name, source.raw)
-    table = read_rows(name, text, COLUMNS)
+    content = Content(source.name, source.raw)
+    digest = hashlib.sha256(source.raw).hexdigest()
+    for program in (spreadsheet, parquet):
+        if program.recognises(content):
+            found = program.read(content, None)
+            return _views(source.name, rows_of(found.table, COLUMNS, source.columns), "", digest)
+    text = content.text()
+    return _views(source.name, read_rows(source.name, text, COLUMNS, source.columns), text, digest)
+
+
+def from_frame(frame: Any, columns: Mapping[str, str] | None) -> Views:
+    """Take views from a data frame.
+
+    Raises
+    ------
+    InputError
+        Where it can't be used.
+    """
+    name = type(frame).__name__
+    views = _views(name, rows_of(frame_table(frame, name), COLUMNS, columns), "", "")
+    return dataclasses.replace(views, lines=None)
+
+
+def _views(name: str, table: Rows, text: str, sha256: str) -> Views:
+    """Make views of rows; a text's comments may state the image size."""
     found = list(table.rows)
     if not found:
         raise InputError(f"{name}: there are no points below the header; add views of at least 4")
     for row in found:
         if not row.fields["view"]:
-            raise InputError(f"{name}:{row.line}: view is empty; name the photograph")
+            raise InputError(f"{name}{row.place}{row.line}: view is empty; name the photograph")
     given = found[0].fields
     sds = [column for column in PIXEL_SIGMAS if column in given]
     if len(sds) == 1:
         raise InputError(f"{name}: has {sds[0]} alone; give both {' and '.join(PIXEL_SIGMAS)}")
     width, height = _size(name, text, found)
-    views = Views.from_rows(
+    return Views.from_rows(
         [row.fields["view"] for row in found],
         _numbers(name, found, ("x", "y", "z")),
         _numbers(name, found, ("r", "c")),
@@ -69,9 +96,9 @@ def read(source: Source) -> Views:
         height=height,
         source=name,
         lines=[row.line for row in found],
-        sha256=hashlib.sha256(source.raw).hexdigest(),
+        sha256=sha256,
+        notes=table.notes,
     )
-    return dataclasses.replace(views, notes=(*views.notes, *table.notes))
 
 
 def _numbers(name: str, found: list[Row], columns: tuple[str, ...]) -> Array:
