@@ -81,7 +81,8 @@ def draw(
     x = regressors(n, rng)
     design = legendre_design(Domain.of(x).scale(x), ORDERS[-1])
     order = rng.choice(ORDERS, size=sets)
-    taus = np.exp(rng.uniform(np.log(0.001), np.log(0.5), sets)) if tau is None else tau
+    low = 0.01 / WIDTH  # a hundredth of a pixel
+    taus = np.exp(rng.uniform(np.log(low), np.log(0.5), sets)) if tau is None else tau
     sigmas = np.exp(rng.uniform(np.log(0.01), np.log(1000.0), sets)) if sigma is None else sigma
     b = rng.normal(size=(sets, ORDERS[-1] + 1))
     b[:, :2] *= WIDTH / 2

@@ -12,7 +12,7 @@ from scipy.special import ndtri
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import POSE
 from bayescal.density.gaussian_pinhole import GaussianPinhole
-from bayescal.prior.amplitudes import TAU_BOUNDS
+from bayescal.prior.amplitudes import tau_bounds
 
 LIVE = 1000
 IMPOSSIBLE = -1e100
@@ -47,7 +47,7 @@ def _likelihood(model: GaussianPinhole) -> Callable[[Array], float]:
 def _from_cube(model: GaussianPinhole) -> Callable[[Array], Array]:
     """Map the unit cube to all coordinates of the geometry, then tau."""
     prior, geometry = model.prior, model.geometry
-    low, high = (math.log(b) for b in TAU_BOUNDS)
+    low, high = (math.log(b) for b in tau_bounds(prior.width))
 
     def transform(u: Array) -> Array:
         z = ndtri(u)

@@ -61,7 +61,7 @@ def simulated(
         tail.append(sigma)
     scale = np.full(design.order + 1, SIZE / 2)
     if design.order > 1:
-        tau = float(stats.loguniform(0.001, 0.5).rvs(random_state=rng))
+        tau = float(stats.loguniform(0.01 / SIZE, 0.5).rvs(random_state=rng))
         scale[2:] = tau * SIZE
         tail.append(tau)
     b = rng.normal(0, scale)

@@ -33,7 +33,7 @@ from bayescal.arrays import Array
 from bayescal.cameras.pinhole import ANCHOR, POSE
 from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.arviz_bridge import diagnose
-from bayescal.prior.amplitudes import TAU_BOUNDS
+from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.camera import log_normal
 from scripts.sections import publish
 from scripts.validate_families import build, sampled
@@ -44,7 +44,7 @@ ESS = 4000
 CHAINS, WARM_UP, DRAWS = 4, 1000, 1000
 STEPS = 10_000  # some 50 autocorrelation times, after a fifth more that is thrown away
 LIMITS = {"NUTS": 15, "stretch": 50}
-LOG_TAU = tuple(math.log(bound) for bound in TAU_BOUNDS)
+LOG_TAU = tuple(math.log(bound) for bound in tau_bounds(1920.0))
 CASES = (
     ("thesis data, order 0", bc.thesis, 0),
     ("thesis data, order 1", bc.thesis, 1),

@@ -22,7 +22,7 @@ from bayescal.density.robust_pinhole import RobustPinhole
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.noise.student_t import RATE, SHAPE
 from bayescal.points.camera import StatedCamera
-from bayescal.prior.amplitudes import TAU_BOUNDS
+from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.probit import log_prior, log_value
 from scripts.robust_cameras import robust_model
 
@@ -30,7 +30,7 @@ PARTICLES, SEEDS = 4000, 4
 SHARE = 0.9  # of the particles stays effective from one power to the next
 ACCEPTED, MOST_MOVES = 8.0, 80  # moves of each particle at each power
 IMPOSSIBLE = -1e30
-LOG_TAU = math.log(TAU_BOUNDS[0]), math.log(TAU_BOUNDS[1])
+LOG_TAU = tuple(math.log(bound) for bound in tau_bounds(1920.0))
 # The thesis's camera as a laboratory may know it: under the default priors, 20 nat wider,
 # tempering with so few particles comes out nats too low.
 KNOWN = StatedCamera(

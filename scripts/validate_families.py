@@ -35,7 +35,7 @@ from bayescal.noise.level import NoiseLevel
 from bayescal.points.camera import StatedCamera
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import Setup
-from bayescal.prior.amplitudes import TAU_BOUNDS
+from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.camera import PinholePrior, pinhole_prior
 from scripts.nested_cameras import LIVE, nested_evidence
 from scripts.ranks import DRAWS, holm, p_values, ranks
@@ -98,7 +98,7 @@ def nested(_: int) -> Iterator[str]:
 def simulated(order: int, seed: int) -> tuple[Correspondences, Array, Array]:
     """Points of a camera drawn from the prior, its coordinates, and ln of its sigmas and tau."""
     rng = np.random.default_rng([order, seed])
-    low, high = (math.log(bound) for bound in TAU_BOUNDS)
+    low, high = (math.log(bound) for bound in tau_bounds(1920.0))
     tau = math.exp(rng.uniform(low, high))
     setup = Setup(position=(0.0, 0.0, 0.0), width=1920.0, height=1080.0, camera=KNOWN)
     world = np.column_stack(
@@ -133,8 +133,8 @@ def sbc(sets: int) -> Iterator[str]:
     yield from (
         f"{sets} cameras of each order, every parameter drawn from its prior (position known to 20 "
         "units, rotation to 5 degrees, focal length to 10 %,",
-        "tau from {:g} to {:g}, sigma from 0.3 to 5 px), 40 points each, sampled as the program "
-        "does. Chi-squared of the ranks in {} bins,".format(*TAU_BOUNDS, BINS),
+        "tau from {:.2g} to {:g}, sigma from 0.3 to 5 px), 40 points each, sampled as the program "
+        "does. Chi-squared of the ranks in {} bins,".format(*tau_bounds(1920.0), BINS),
         "the smallest p-value of all parameters, adjusted for their number (Holm); and the same "
         "with deviations 30 % too small.",
         "",

@@ -144,7 +144,8 @@ def from_cube(model: RobustLinearModel) -> Callable[[Array], Array]:
 
     def transform(u: Array) -> Array:
         theta = ndtri(u)  # standard normal, as the probits of sigma, fraction and width are
-        log_tau = math.log(0.001) + u[-1] * math.log(0.5 / 0.001)
+        low = 0.01 / size  # a hundredth of a pixel
+        log_tau = math.log(low) + u[-1] * math.log(0.5 / low)
         theta[0] = model.prior.mean[0] + size / 2 * theta[0]
         theta[1] *= size / 2
         theta[2 : model.size] *= math.exp(log_tau) * size

@@ -70,7 +70,7 @@ def common_caveats(
                 if mass > PILE:
                     found.append(
                         f"order {result.order}: {100 * mass:.0f} % of sigma's posterior lies at "
-                        f"its {side} bound, {bound:.3g} px; the evidence depends on that bound"
+                        f"its {side} bound, {bound:.4g} px; the evidence depends on that bound"
                     )
     failed = [str(r.order) for r in results if not r.posterior.converged]
     if failed:

@@ -13,8 +13,8 @@ from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.linear.effective_variance import with_effective_deviations
 from bayescal.linear.replicates import pure_error
-from bayescal.noise.choice import TYPICAL_SIZE, NoiseChoice
-from bayescal.noise.level import SPAN_BOUNDS, NoiseLevel
+from bayescal.noise.choice import NoiseChoice
+from bayescal.noise.level import NoiseLevel
 from bayescal.noise.model import NoiseModel
 from bayescal.points.setup import LARGEST_PX, SMALLEST_PX, StatedPrior
 from bayescal.polynomials.axis_data import AxisData
@@ -107,7 +107,7 @@ class Settings:
 
     def noise_model(self, data: AxisData) -> NoiseModel:
         """Make the noise model of an axis."""
-        return self.choice.model(data.size / TYPICAL_SIZE if data.axis == "y" else 1.0)
+        return self.choice.model(data.pixel)
 
 
 def checked_orders(orders: Iterable[int], lowest: int = 1) -> tuple[int, ...]:
@@ -204,17 +204,13 @@ def _pixel_noise(
     if isinstance(wanted, numbers.Real):
         _check_known(data, float(wanted))
         return data, NoiseLevel.known(float(wanted)), f"known, {wanted:g} px{ignored}"
-    if data.axis == "y":
-        level = NoiseLevel.inferred((SPAN_BOUNDS[0] * data.size, SPAN_BOUNDS[1] * data.size))
-    else:
-        level = NoiseLevel.inferred()
-    return data, level, f"inferred{ignored}"
+    return data, NoiseLevel.inferred_in(data.pixel), f"inferred{ignored}"
 
 
 def _check_known(data: AxisData, sigma: float) -> None:
     """Refuse a sigma from which no double tells the residuals, or that dwarfs all pixels."""
     low, high = SMALLEST_PX, LARGEST_PX
-    if data.axis == "y":
+    if not data.in_pixels:
         low, high = (data.size * share for share in KNOWN_SHARE)
     if not low <= sigma <= high:
         unit = "" if data.axis == "y" else " px"
@@ -251,4 +247,5 @@ def prior_rule(data: AxisData, settings: Settings, stated: StatedPrior | None) -
     """Choose the prior of an axis: as asked, else as the setup states, else field."""
     default = "stated" if stated is not None and settings.tau is None else "field"
     centre = data.size / 2 if data.size_known else float(data.t.min() + np.ptp(data.t) / 2)
-    return PriorRule(settings.prior or default, data.size, centre, settings.tau, stated)
+    name = settings.prior or default
+    return PriorRule(name, data.size, centre, settings.tau, stated, data.pixel)

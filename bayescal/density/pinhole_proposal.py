@@ -21,9 +21,9 @@ from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode
 from bayescal.inference.weighting import drawn
-from bayescal.prior.amplitudes import TAU_BOUNDS
 
-RUNGS = 10
+# Steps of the ladder in ln tau.
+STEP = 0.65
 
 
 def weighted_evidence(
@@ -56,8 +56,8 @@ def ladder(model: GaussianPinhole) -> tuple[tuple[Mode, ...], Array]:
     """
     prior, frame = model.prior, model.frame
     if model.infers_tau:
-        low, high = (math.log(bound) for bound in TAU_BOUNDS)
-        edges = np.linspace(low, high, RUNGS + 1)
+        low, high = prior.log_tau_bounds
+        edges = np.linspace(low, high, math.ceil((high - low) / STEP) + 1)
         rungs = np.exp((edges[1:] + edges[:-1]) / 2).tolist()
     else:
         rungs = [prior.tau if prior.tau is not None else 1.0]

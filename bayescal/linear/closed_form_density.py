@@ -19,6 +19,9 @@ REACH = 4.5  # standard deviations, shown on either side of a coefficient's mean
 PLACES = 61
 BLOCK = 8
 LARGEST_CORRELATION = 1 - 1e-12
+# Steps of a mesh that the sharpest normal on it must be wide: its sum over the mesh is then 1
+# to 1e-4. A small tau leaves a coefficient narrower than a picture shows.
+SHARPEST = 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,8 +86,8 @@ class Densities:
             mass = self._weights.sum(axis=self._axis(name))
             return self._nodes[name], mass / self._widths[name]
         j = self._names.index(name)
-        x = self._mean[j] + self._sd[j] * np.linspace(-REACH, REACH, PLACES)
         weights, means, variances = self._heavy([j])
+        x = self._places(j, means[:, 0], np.sqrt(variances[:, 0, 0]))
         z = (x[:, None] - means[:, 0]) / np.sqrt(variances[:, 0, 0])
         density = np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi * variances[:, 0, 0]) @ weights
         return x, density
@@ -109,6 +112,15 @@ class Densities:
     def _axis(self, name: str) -> int:
         """Axis of the weights that `name` does not run along."""
         return 1 if name == "tau" else 0
+
+    def _places(self, j: int, means: Array, sds: Array) -> Array:
+        """Places of a coefficient, more of them where a small tau makes a spike."""
+        wide, narrow, i = self._sd[j], float(sds.min()), int(sds.argmin())
+        x = [self._mean[j] + wide * np.linspace(-REACH, REACH, PLACES)]
+        if narrow < wide / 2:
+            scales = np.geomspace(narrow, wide, 2 + int(np.log2(wide / narrow)))
+            x += [means[i] + s * np.linspace(-REACH, REACH, PLACES) for s in scales]
+        return np.unique(np.concatenate(x).clip(x[0][0], x[0][-1]))
 
     def _moments(self, rows: list[int]) -> tuple[Array, Array]:
         """Mean and covariance of some coefficients at every node."""
@@ -148,10 +160,12 @@ class Densities:
         rho = np.clip(total[0, 1] / sd.prod(), -LARGEST_CORRELATION, LARGEST_CORRELATION)
         u, v = np.meshgrid(*[np.linspace(-REACH, REACH, PLACES)] * 2)
         dx, dy = sd[0] * u, sd[1] * (rho * u + np.sqrt(1 - rho**2) * v)
-        density = np.zeros_like(u)
+        density, step = np.zeros_like(u), 2 * REACH / (PLACES - 1)
+        to_mesh = np.linalg.inv(sd[:, None] * np.array([[1, 0], [rho, np.sqrt(1 - rho**2)]]))
         for weight, shift, covariance in zip(weights, centred, covariances, strict=True):
-            s = np.sqrt(np.diag(covariance))
-            r = np.clip(covariance[0, 1] / s.prod(), -LARGEST_CORRELATION, LARGEST_CORRELATION)
+            shown = _seen_on_mesh(covariance, to_mesh, step)
+            s = np.sqrt(np.diag(shown))
+            r = np.clip(shown[0, 1] / s.prod(), -LARGEST_CORRELATION, LARGEST_CORRELATION)
             a, b = (dx - shift[0]) / s[0], (dy - shift[1]) / s[1]
             spare = 1 - r**2
             density += (
@@ -159,12 +173,11 @@ class Densities:
                 / (2 * np.pi * s.prod() * np.sqrt(spare))
                 * np.exp(-(a**2 + ((b - r * a) ** 2) / spare) / 2)
             )
-        step = (2 * REACH / (PLACES - 1)) ** 2
         return Surface(
             mean[0] + dx,
             mean[1] + dy,
             density,
-            density * step * sd.prod() * np.sqrt(1 - rho**2),
+            density * step**2 * sd.prod() * np.sqrt(1 - rho**2),
         )
 
     def _with_node(self, i: int, name: str) -> Surface:
@@ -176,9 +189,20 @@ class Densities:
         else:
             weights = self._weights
         x = self._mean[i] + self._sd[i] * np.linspace(-REACH, REACH, PLACES)
+        variances = np.maximum(variances, (SHARPEST * (x[1] - x[0])) ** 2)
         z = (x - means[..., None]) / np.sqrt(variances)[..., None]
         normal = np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi * variances)[..., None]
         mass_per_x = np.einsum("no,nox->nx", weights, normal)
         mesh_x, mesh_y = np.meshgrid(x, self._nodes[name])
         density = mass_per_x / self._widths[name][:, None]
         return Surface(mesh_x, mesh_y, density, mass_per_x * (x[1] - x[0]))
+
+
+def _seen_on_mesh(covariance: Array, to_mesh: Array, step: float) -> Array:
+    """Covariance ``(2, 2)``, widened where it is sharper than the mesh's step."""
+    values, vectors = np.linalg.eigh(to_mesh @ covariance @ to_mesh.T)
+    least = (SHARPEST * step) ** 2
+    if values[0] >= least:
+        return covariance
+    back = np.linalg.inv(to_mesh) @ vectors
+    return np.asarray((back * np.maximum(values, least)) @ back.T)

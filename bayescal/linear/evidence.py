@@ -13,6 +13,7 @@ precision (`precision` = 0, S = 1).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,8 @@ from bayescal.prior.amplitudes import CoefficientPrior
 LOG_2PI = float(np.log(2 * np.pi))
 # "Piling up at a bound": this much of sigma's posterior within this fraction of it.
 NEAR_BOUND = 0.05
+# Range of ln tau that a rule's own number of nodes is for.
+TAU_SPAN = 6.3
 # Numbers held at once while many models are integrated: few enough for a core's cache.
 CHUNK = 300_000
 
@@ -115,9 +118,11 @@ class Projection:
 def tau_rule(prior: CoefficientPrior, accuracy: Accuracy) -> tuple[Rule, Array]:
     """Quadrature in ln tau and the ln tau of its nodes; one node where tau is fixed."""
     if prior.infers_tau:
-        # The more amplitudes tau has, the narrower its posterior.
-        finer = 1 + int(prior.scaled.sum()) // 8
-        rule = interval(*prior.log_tau_bounds, finer * (accuracy.tau_nodes - 1) + 1)
+        # The wider its bounds and the more amplitudes tau has, the narrower its posterior
+        # is among them.
+        lower, upper = prior.log_tau_bounds
+        finer = math.ceil((upper - lower) / TAU_SPAN) + int(prior.scaled.sum()) // 8
+        rule = interval(lower, upper, finer * (accuracy.tau_nodes - 1) + 1)
         return rule, rule.nodes
     return POINT, np.log([prior.tau if prior.tau is not None else 1.0])
 

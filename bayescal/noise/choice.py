@@ -11,9 +11,6 @@ from bayescal.noise.model import NoiseModel
 from bayescal.noise.outlier_mixture import WIDTH_BOUNDS, OutlierMixture
 from bayescal.noise.student_t import StudentT
 
-# Where y is no pixel, its span over this stands for one, as in the bounds of sigma.
-TYPICAL_SIZE = 1920.0
-
 
 @dataclass(frozen=True)
 class NoiseChoice:
@@ -48,21 +45,21 @@ class NoiseChoice:
         """Whether there is no closed form, so that the evidence is sampled."""
         return self.name != "gaussian"
 
-    def model(self, unit: float) -> NoiseModel:
+    def model(self, pixel: float) -> NoiseModel:
         """Make the noise model.
 
         Parameters
         ----------
-        unit : float
-            What stands for a pixel: 1 on an image; for a generic y its span over TYPICAL_SIZE.
+        pixel : float
+            What stands for a pixel (`bayescal.points.pixel`).
         """
-        return NOISE_MODELS[self.name](self, unit)
+        return NOISE_MODELS[self.name](self, pixel)
 
 
 NOISE_MODELS: dict[str, Callable[[NoiseChoice, float], NoiseModel]] = {
-    "gaussian": lambda _choice, _unit: Gaussian(),
-    "student-t": lambda choice, _unit: StudentT(choice.nu),
-    "outlier-mixture": lambda choice, unit: OutlierMixture(
-        (WIDTH_BOUNDS[0] * unit, WIDTH_BOUNDS[1] * unit), choice.bad_offset
+    "gaussian": lambda _choice, _pixel: Gaussian(),
+    "student-t": lambda choice, _pixel: StudentT(choice.nu),
+    "outlier-mixture": lambda choice, pixel: OutlierMixture(
+        (WIDTH_BOUNDS[0] * pixel, WIDTH_BOUNDS[1] * pixel), choice.bad_offset
     ),
 }

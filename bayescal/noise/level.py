@@ -9,17 +9,21 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
+from bayescal.points.pixel import FLOOR
 from bayescal.prior.probit import log_prior, log_value, probit_of
 
-# Bounds of an inferred sigma on an image, px (ln sigma uniform between them).
-SIGMA_BOUNDS = (0.01, 1000.0)
-# The same as fractions of the span of y, where y is not a pixel: 0.01 and 1000 of 1920.
-SPAN_BOUNDS = (0.01 / 1920, 1000.0 / 1920)
+# Bounds of an inferred sigma, pixels or what stands for them (ln sigma uniform between them).
+SIGMA_BOUNDS = (FLOOR, 1000.0)
 
 # Bounds of an inferred factor on known deviations.
 SCALE_BOUNDS = (0.01, 100.0)
 # Standard deviation of rounding to whole pixels, px: that of a uniform of width 1.
 WHOLE_PIXEL = 1 / math.sqrt(12)
+
+
+def sigma_bounds(pixel: float) -> tuple[float, float]:
+    """Bounds of an inferred sigma where `pixel` stands for a pixel."""
+    return SIGMA_BOUNDS[0] * pixel, SIGMA_BOUNDS[1] * pixel
 
 
 @dataclass(frozen=True)
@@ -67,6 +71,11 @@ class NoiseLevel:
     def inferred(cls, bounds: tuple[float, float] = SIGMA_BOUNDS) -> NoiseLevel:
         """Sigma inferred, ln sigma uniform between bounds, px."""
         return cls("inferred", None, bounds)
+
+    @classmethod
+    def inferred_in(cls, pixel: float) -> NoiseLevel:
+        """Sigma inferred, its bounds in units of what stands for a pixel."""
+        return cls.inferred(sigma_bounds(pixel))
 
     @classmethod
     def replicates(cls, sigma: float, dof: int) -> NoiseLevel:

@@ -9,6 +9,7 @@ import numpy as np
 
 from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
+from bayescal.points.pixel import SMALLEST_IMAGE, pixel_of
 from bayescal.polynomials.basis import (
     Domain,
     MonomialMap,
@@ -75,6 +76,16 @@ class AxisData:
 
     def __len__(self) -> int:
         return len(self.x)
+
+    @property
+    def in_pixels(self) -> bool:
+        """Whether t is surely in pixels: of a stated image that is more than a few pixels."""
+        return self.size_known and self.size >= SMALLEST_IMAGE
+
+    @property
+    def pixel(self) -> float:
+        """What stands for a pixel, in units of t."""
+        return pixel_of(self.size, known=self.size_known)
 
     @property
     def domain(self) -> Domain:

@@ -7,6 +7,7 @@ import numpy as np
 from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
 from bayescal.points.correspondences import LARGEST, Correspondences
+from bayescal.points.pixel import pixel_of
 from bayescal.polynomials.axis_data import AxisData, pixel_span
 
 NAME = "separable"
@@ -58,6 +59,13 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
         source=points.source,
         x_sd=_regressor_deviations(points, column),
     )
+
+
+def axis_pixel(points: Correspondences, axis: str) -> float:
+    """Give what stands for a pixel on an axis, in units of its readings."""
+    size = points.setup.size(axis)
+    span = pixel_span(points.pixel(axis)) if size is None else size
+    return pixel_of(span, known=size is not None)
 
 
 def _regressor_deviations(points: Correspondences, column: int) -> Array | None:

@@ -1,8 +1,8 @@
 r"""Priors of the Legendre amplitudes, in pixels.
 
 ``field`` (the default): b_0 ~ N(size/2, (size/2)^2), b_1 ~ N(0, (size/2)^2) and,
-for j >= 2, b_j ~ N(0, (tau size)^2), with tau log-uniform on [0.001, 0.5], common
-to the coefficients of a model and inferred, or fixed. ``flat``: uniform and
+for j >= 2, b_j ~ N(0, (tau size)^2), with tau log-uniform from 0.01 px / size to 0.5,
+common to the coefficients of a model and inferred, or fixed. ``flat``: uniform and
 improper, so that no evidence can be had. ``stated``: the user's own normal prior
 of each amplitude.
 """
@@ -17,12 +17,29 @@ from numpy.typing import NDArray
 
 from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
+from bayescal.points.pixel import FLOOR
 from bayescal.points.setup import StatedPrior
 
-# Bounds of an inferred tau, as a fraction of the image (ln tau uniform between them).
-TAU_BOUNDS = (0.001, 0.5)
+# Largest inferred tau, as a fraction of the image.
+LARGEST_TAU = 0.5
 # What a fixed tau may be.
 FIXED_TAU = (1e-9, 1e9)
+
+
+def tau_bounds(size: float, pixel: float = 1.0) -> tuple[float, float]:
+    """Bounds of an inferred tau, as fractions of the image; ln tau is uniform between them.
+
+    The lower one is that of sigma: a tau that starts higher takes a distortion between the
+    noise and that start for none at all, and is sure of it.
+
+    Parameters
+    ----------
+    size : float
+        Image size along the axis, or the span that stands for it.
+    pixel : float, optional
+        What stands for a pixel.
+    """
+    return FLOOR * pixel / size, LARGEST_TAU
 
 
 def check_tau(tau: float) -> None:
@@ -56,6 +73,9 @@ class CoefficientPrior:
         Image size along the axis (or the span that stands for it), px.
     tau : float or None
         tau where it is fixed; None where it is inferred or has no part.
+    pixel : float
+        What stands for a pixel (`bayescal.points.pixel`): the lower bound of an inferred tau
+        is a hundredth of it.
     """
 
     name: str
@@ -64,6 +84,7 @@ class CoefficientPrior:
     scaled: NDArray[np.bool_]
     size: float
     tau: float | None = None
+    pixel: float = 1.0
 
     @property
     def proper(self) -> bool:
@@ -78,7 +99,8 @@ class CoefficientPrior:
     @property
     def log_tau_bounds(self) -> tuple[float, float]:
         """Bounds of ln tau."""
-        return math.log(TAU_BOUNDS[0]), math.log(TAU_BOUNDS[1])
+        lower, upper = tau_bounds(self.size, self.pixel)
+        return math.log(lower), math.log(upper)
 
     def deviations(self, log_tau: Array) -> Array:
         """Give the standard deviations at each tau, ``(n_tau, n_coefficients)``, px.
@@ -115,6 +137,8 @@ class PriorRule:
         tau where it is fixed.
     stated : StatedPrior or None
         The user's own means and deviations.
+    pixel : float
+        What stands for a pixel (`bayescal.points.pixel`).
     """
 
     name: str
@@ -122,6 +146,7 @@ class PriorRule:
     centre: float
     tau: float | None = None
     stated: StatedPrior | None = None
+    pixel: float = 1.0
 
     def __post_init__(self) -> None:
         if self.name not in ("field", "stated", "flat"):
@@ -134,6 +159,11 @@ class PriorRule:
             if self.name != "field":
                 raise InputError(f"tau belongs to the field prior; the prior here is {self.name}")
             check_tau(self.tau)
+
+    @property
+    def tau_bounds(self) -> tuple[float, float]:
+        """Bounds of an inferred tau, fractions of the image."""
+        return tau_bounds(self.size, self.pixel)
 
     def of_order(self, order: int) -> CoefficientPrior:
         """Prior of the amplitudes of one order of a polynomial of one regressor.
@@ -177,4 +207,6 @@ class PriorRule:
         sd = np.full(size, self.size)
         strong = np.array(degrees) >= 2
         sd[~strong] = self.size / 2
-        return CoefficientPrior("field", frozen(mean), frozen(sd), strong, self.size, self.tau)
+        return CoefficientPrior(
+            "field", frozen(mean), frozen(sd), strong, self.size, self.tau, self.pixel
+        )

@@ -6,8 +6,8 @@ degrees each unless the setup says otherwise. Focal lengths: ln f_r normal about
 image's width with sd 1 (95 % from 0.14 to 7 widths), ln(f_c / f_r) normal about 0 with sd
 0.1. Principal point: normal about the image's centre with a tenth of the image's size.
 Distortion: each d_j, the displacement at the image's corner, normal with sd tau width; tau
-log-uniform on [0.001, 0.5] like that of the polynomials, common to the d_j and integrated
-out, or fixed.
+log-uniform from 0.01 px / width to 0.5 like that of the polynomials, common to the d_j and
+integrated out, or fixed.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials.axis_data import pixel_span
-from bayescal.prior.amplitudes import TAU_BOUNDS, check_tau
+from bayescal.polynomials.separable import axis_pixel
+from bayescal.prior.amplitudes import check_tau, tau_bounds
 from bayescal.prior.strength import Strength
 
 LOG_2PI = float(np.log(2 * np.pi))
@@ -130,6 +131,8 @@ class PinholePrior:
         Image size, or the spans of the pixels that stand for it, px.
     tau : float or None
         Strength of the distortion where it is fixed.
+    pixel : float
+        What stands for a pixel (`bayescal.points.pixel`).
     """
 
     position: PositionPrior
@@ -143,6 +146,13 @@ class PinholePrior:
     width: float
     height: float
     tau: float | None = None
+    pixel: float = 1.0
+
+    @property
+    def log_tau_bounds(self) -> tuple[float, float]:
+        """Bounds of ln tau where it is inferred."""
+        lower, upper = tau_bounds(self.width, self.pixel)
+        return math.log(lower), math.log(upper)
 
     @property
     def half_diagonal(self) -> float:
@@ -151,8 +161,7 @@ class PinholePrior:
 
     def strength(self, order: int) -> Strength:
         """Make tau's integral over `order` displacements in units of the image's width."""
-        low, high = (math.log(bound) for bound in TAU_BOUNDS)
-        return Strength((low, high), order)
+        return Strength(self.log_tau_bounds, order)
 
     def log_density(
         self, geometry: PinholeGeometry, theta: Array, log_tau: Array | None = None
@@ -207,7 +216,7 @@ class PinholePrior:
         theta[:, 1] = theta[:, 0] + rng.normal(0, self.ratio_log_sd, size)
         theta[:, 2:4] = rng.normal(self.centre, self.centre_sd, (size, 2))
         theta[:, 4:7] = rng.normal(0, self.rotation_sd, (size, 3))
-        low, high = np.log(TAU_BOUNDS)
+        low, high = self.log_tau_bounds
         tau = np.exp(rng.uniform(low, high, size)) if self.tau is None else np.full(size, self.tau)
         sd = self.width * tau[:, None]
         theta[:, POSE:] = sd * rng.standard_normal((size, geometry.order))
@@ -220,7 +229,7 @@ class PinholePrior:
         degrees = ", ".join(f"{d:.3g}" for d in np.degrees(self.rotation_sd))
         u, v = (f"N({m:g}, {s:g})" for m, s in zip(self.centre, self.centre_sd, strict=True))
         strength = (
-            "inferred, log-uniform {:g} to {:g}".format(*TAU_BOUNDS)
+            "inferred, log-uniform {:.3g} to {:g}".format(*tau_bounds(self.width, self.pixel))
             if self.tau is None
             else f"= {self.tau:g}"
         )
@@ -273,6 +282,7 @@ def pinhole_prior(points: Correspondences, tau: float | None = None) -> PinholeP
         sizes[0],
         sizes[1],
         tau,
+        axis_pixel(points, "r"),
     )
 
 

@@ -26,8 +26,10 @@ SAMPLED_ELPD = (
     "elpd: leave-one-out from the draws (PSIS), one pixel value left out at a time, with its "
     "Monte Carlo error beside PSIS; behind: the best order."
 )
-# Where the table over tau is evaluated: nodes of the grid, fractions of the image.
-SHOWN_TAU = (0.001, 0.00316228, 0.01, 0.0316228, 0.1, 0.316228, 1.0)
+
+
+# The table over tau shows the decades of its grid.
+ON_DECADE = 1e-9
 
 
 def defence_view(axis: AxisComparison) -> RenderableType:
@@ -159,10 +161,10 @@ def _compact(value: float) -> str:
 
 def tau_table(axis: AxisComparison, found: TauSensitivity) -> Table:
     """Log evidence of every order at a few fixed tau."""
-    at = [int(np.argmin(np.abs(np.log(found.tau / tau)))) for tau in SHOWN_TAU]
-    columns = [
-        Column(f"{significant(100 * tau)}%", "", f"{significant(100 * tau)} %") for tau in SHOWN_TAU
-    ]
+    decades = np.log10(found.tau)
+    at = [int(i) for i in np.flatnonzero(np.abs(decades - np.round(decades)) < ON_DECADE)]
+    shown = [significant(100 * float(found.tau[i])) for i in at]
+    columns = [Column(f"{share}%", "", f"{share} %") for share in shown]
     rows = [[number_cell(float(row[i]), _compact) for i in at] for row in found.log_evidence]
     head = Column(
         "ln Z at fixed tau", "log evidence at these tau, fractions of the image", "order, at tau"

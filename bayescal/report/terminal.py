@@ -11,7 +11,7 @@ from rich.text import Text
 
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.noise.gaussian import GAUSSIAN
-from bayescal.prior.amplitudes import TAU_BOUNDS, PriorRule
+from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.noise import level_words, noise_kind, robust_footnotes
 from bayescal.report.render import WIDTH as WIDTH
 from bayescal.report.render import indented, laid_out, listed
@@ -130,10 +130,12 @@ def rule_words(rule: PriorRule) -> str:
     if rule.name == "stated":
         return "stated in the setup: a normal for each Legendre amplitude"
     half = f"{rule.size / 2:g}"
+    low, high = rule.tau_bounds
     tau = (
         f"= {rule.tau:g}"
         if rule.tau is not None
-        else "inferred, log-uniform {:g} to {:g}".format(*TAU_BOUNDS)
+        else f"inferred, log-uniform {low:.3g} to {high:g} ({low * rule.size:.3g} to "
+        f"{high * rule.size:.4g} px)"
     )
     return (
         f"field; b0 ~ N({rule.centre:g}, {half}), b1 ~ N(0, {half}), bj ~ N(0, tau * "

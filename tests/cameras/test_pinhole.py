@@ -107,7 +107,7 @@ def test_prior_density_is_the_product_of_its_factors():
         where = position_prior(bc.thesis())
         truth += stats.norm(where.mean, where.sd).logpdf(position[i]).sum()
         truth += geometry.log_volume(theta)[i]
-        log_tau = np.linspace(np.log(0.001), np.log(0.5), 40001)
+        log_tau = np.linspace(np.log(0.01 / 1920), np.log(0.5), 40001)
         each = stats.norm(0, 1920 * np.exp(log_tau)[:, None]).pdf(one[POSE:]).prod(axis=1)
         truth += np.log(np.trapezoid(each, log_tau) / (log_tau[-1] - log_tau[0]))
         assert found[i] == pytest.approx(truth, abs=1e-6)

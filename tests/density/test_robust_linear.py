@@ -72,7 +72,7 @@ def plain_log_prob(model, theta):
 
     if model.prior.tau is not None:
         return total + math.log(of_tau(math.log(model.prior.tau)))
-    ends = math.log(0.001), math.log(0.5)
+    ends = math.log(0.01 / size), math.log(0.5)
     integral, _ = integrate.quad(of_tau, *ends, epsabs=0, epsrel=1e-11, limit=400)
     return total + math.log(integral / (ends[1] - ends[0]))
 
@@ -109,7 +109,7 @@ def test_reported_parameters_are_what_they_are_called():
     monomials = np.vander(data.x, 4, increasing=True)
     # Both are the same polynomial.
     assert monomials @ reported[0, :4] == pytest.approx(model.design @ theta[0, :4], rel=1e-12)
-    assert reported[:, 5].min() >= 0.001
+    assert reported[:, 5].min() >= 0.01 / data.size
     assert reported[:, 5].max() <= 0.5
     trimmed = len(theta) - 6
     assert trimmed > 0

@@ -94,7 +94,7 @@ def _axes(model: LinearModel, sigma_width: float, sigma_range, tau_width: float)
     """Nodes of ln tau and ln sigma, and the log of weights times hyperpriors."""
     prior = model.prior
     if prior.infers_tau:
-        lower, upper = np.log([0.001, 0.5])
+        lower, upper = np.log([0.01 / prior.size, 0.5])
         log_tau, tau_weight = panels(lower, upper, tau_width)
         tau_weight = tau_weight / (upper - lower)
     else:

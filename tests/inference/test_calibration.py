@@ -1,7 +1,8 @@
 """Simulation-based calibration: truths drawn from the prior have uniform ranks.
 
 Talts et al. 2018 (arXiv:1804.06788). Everything is drawn from the default prior as it
-stands: sigma log-uniform from 0.01 to 1000 px, tau from 0.001 to 0.5, amplitudes given
+stands: sigma log-uniform from 0.01 to 1000 px, tau from 0.01 px to half
+the image, amplitudes given
 tau. The log density at the truth joins the parameters as a quantity to rank, as it
 sees errors that no single parameter shows (Modrak et al. 2023, arXiv:2211.02383).
 """
@@ -29,7 +30,7 @@ X = np.linspace(-0.4, 0.7, 15)
 def simulated(order: int, rng: np.random.Generator):
     """A truth from the prior and data from the truth: theta, reported truth, points."""
     log_sigma = rng.uniform(np.log(0.01), np.log(1000))
-    log_tau = rng.uniform(np.log(0.001), np.log(0.5))
+    log_tau = rng.uniform(np.log(0.01 / SIZE), np.log(0.5))
     scale = np.full(order + 1, np.exp(log_tau) * SIZE)
     scale[:2] = SIZE / 2
     b = rng.normal(0, scale)

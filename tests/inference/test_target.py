@@ -42,7 +42,7 @@ def plain_log_prob(model: LinearModel, data: AxisData, theta: np.ndarray) -> flo
     tau = model.prior.tau if model.prior.tau is not None else 1.0
     if model.infers_tau:
         log_tau = rest.pop(0)
-        total += stats.uniform(np.log(0.001), np.log(500)).logpdf(log_tau)
+        total += stats.uniform(np.log(0.01 / data.size), np.log(50 * data.size)).logpdf(log_tau)
         tau = np.exp(log_tau)
     if model.prior.proper:
         scale = prior_deviations(model.prior, tau)
@@ -121,7 +121,7 @@ def test_a_forgotten_ln_sd_would_show():
 def test_log_prob_is_minus_infinity_beyond_the_bounds(column, side):
     """Closed form: the uniform priors of ln sigma and ln tau end at their bounds."""
     model = make_model(thesis_axis("c"), 3)
-    bounds = {-2: np.log(model.noise.bounds), -1: np.log([0.001, 0.5])}[column]
+    bounds = {-2: np.log(model.noise.bounds), -1: np.log([0.01 / 1080, 0.5])}[column]
     edge = bounds[0] if side < 0 else bounds[1]
     theta = np.repeat(near_posterior(model, 1), 2, axis=0)
     theta[:, column] = edge + side * np.array([1e-9, -1e-9])  # just outside, just inside

@@ -10,6 +10,7 @@ from scipy import stats
 
 import bayescal as bc
 from bayescal.noise.level import NoiseLevel
+from bayescal.points.pixel import pixel_of
 from bayescal.points.setup import StatedPrior
 from bayescal.prior.amplitudes import PriorRule
 
@@ -23,10 +24,12 @@ def test_ln_sigma_is_uniform_between_a_hundredth_and_a_thousand_px():
     assert level.log_bounds == pytest.approx((math.log(0.01), math.log(1000)))
 
 
-def test_ln_tau_is_uniform_between_a_thousandth_and_a_half():
-    prior = PriorRule("field", 1000.0, 500.0).of_order(3)
+@pytest.mark.parametrize("pixel", [1.0, 0.25])
+def test_ln_tau_is_uniform_between_a_hundredth_of_a_pixel_and_half_the_image(pixel):
+    """Closed form: scipy's log-uniform density, from sigma's own lower bound."""
+    prior = PriorRule("field", 1000.0, 500.0, pixel=pixel).of_order(3)
     tau = 0.02
-    truth = stats.loguniform(0.001, 0.5).logpdf(tau) + math.log(tau)
+    truth = stats.loguniform(0.01 * pixel / 1000, 0.5).logpdf(tau) + math.log(tau)
     assert prior.log_tau_density() == pytest.approx(truth, rel=1e-14)
     assert prior.infers_tau
 
@@ -52,6 +55,15 @@ def test_known_sigma_and_fixed_tau_have_no_density():
     prior = PriorRule("field", 1000.0, 500.0, tau=0.05).of_order(3)
     assert prior.log_tau_density() == 0
     assert not prior.infers_tau
+
+
+def test_where_the_image_size_is_unknown_the_span_makes_the_pixel():
+    """Readings divided by the width, told or not told to be: noise of a pixel is inside."""
+    assert pixel_of(1920.0, known=True) == pixel_of(640.0, known=True) == 1
+    assert pixel_of(960.0, known=False) == pytest.approx(0.5)
+    assert pixel_of(1.0, known=True) == pixel_of(1.0, known=False) == pytest.approx(1 / 1920)
+    level = NoiseLevel.inferred_in(pixel_of(0.6, known=False))
+    assert level.bounds == pytest.approx((0.01 * 0.6 / 1920, 1000 * 0.6 / 1920))
 
 
 @pytest.mark.parametrize("tau", [0.001, 0.05, 0.5])

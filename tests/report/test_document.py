@@ -232,7 +232,7 @@ def test_what_is_said_of_the_thesis() -> None:
     assert c["noise"]["scatter_px"] == pytest.approx(1.09, abs=0.005)
     assert r["prior"]["mean_px"] == [960, 0, 0, 0, 0, 0]
     assert r["prior"]["sd_px"] == [960, 960, None, None, None, None]
-    assert r["prior"]["tau"] == {"kind": "log-uniform", "bounds": [0.001, 0.5]}
+    assert r["prior"]["tau"] == {"kind": "log-uniform", "bounds": [0.01 / 1920, 0.5]}
     assert [x["name"] for x in r["orders"][0]["coefficients"]] == [f"alpha_{j}" for j in range(5)]
     assert [x["name"] for x in c["orders"][0]["coefficients"]] == [f"beta_{j}" for j in range(5)]
     assert [o["rss_px2"] for o in r["orders"]] == pytest.approx([737.9, 736.7], abs=0.05)

@@ -86,9 +86,13 @@ def _worth(defence: Defence) -> str:
 def _tau(order: int, defence: Defence, size: float) -> str:
     if defence.tau is None:
         return ""
-    wins = defence.tau.wins
+    wins = defence.tau.possible
     if len(wins) == 1 and wins[0].order == order:
-        return "It wins at every fixed strength tau from 0.1% to 100% of the image."
+        return (
+            "It wins at every strength tau that these data leave possible, "
+            f"{_share(wins[0].lower)} to {_share(wins[0].upper)} of the image "
+            f"({significant(wins[0].lower * size)} to {significant(wins[0].upper * size)} px)."
+        )
     parts = [
         f"order {w.order} from {_share(w.lower)} to {_share(w.upper)} of the image "
         f"({significant(w.lower * size)} to {significant(w.upper * size)} px)"

@@ -21,7 +21,7 @@ from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.least_squares import factorise
 from bayescal.linear.model import LinearModel
-from bayescal.noise.choice import NOISE_MODELS, TYPICAL_SIZE, NoiseChoice
+from bayescal.noise.choice import NOISE_MODELS, NoiseChoice
 from bayescal.noise.gaussian import Gaussian
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.model import NoiseModel
@@ -168,7 +168,7 @@ def with_noises(
 
 def named(name: str, data: AxisData) -> NoiseModel:
     """Noise model of a name for some data, with its default priors."""
-    return NoiseChoice(name).model(1.0 if data.axis != "y" else data.size / TYPICAL_SIZE)
+    return NoiseChoice(name).model(data.pixel)
 
 
 def about_noise(verdict: AxisVerdict, axis: AxisComparison, defence: Defence) -> AxisVerdict:

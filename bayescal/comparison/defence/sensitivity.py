@@ -13,8 +13,10 @@ from bayescal.arrays import Array, frozen
 from bayescal.linear.evidence import log_evidence_over_tau
 from bayescal.linear.model import LinearModel
 
-LOWEST, HIGHEST = 0.001, 1.0
-STEPS = 120
+# Steps of the grid per decade of tau, down from 1.
+STEPS = 60
+# 2 ln B beyond which evidence is very strong (Kass & Raftery 1995).
+VERY_STRONG = 10.0
 
 
 @dataclass(frozen=True)
@@ -47,17 +49,30 @@ class TauSensitivity:
     probability: Array
     wins: tuple[Win, ...]
 
+    @property
+    def possible(self) -> tuple[Win, ...]:
+        """The wins where tau is not ruled out: no tau is better by 2 ln B > 10."""
+        best = self.log_evidence.max(axis=0)
+        kept = self.tau[best > best.max() - VERY_STRONG / 2]
+        low, high = float(kept[0]), float(kept[-1])
+        return tuple(
+            Win(w.order, max(w.lower, low), min(w.upper, high))
+            for w in self.wins
+            if w.lower < high and w.upper > low
+        )
+
 
 def tau_sensitivity(models: Mapping[int, LinearModel]) -> TauSensitivity:
-    """Evaluate every order's evidence at tau fixed from 0.001 to 1.
+    """Evaluate every order's evidence at tau fixed from the inferred one's lower bound to 1.
 
     Parameters
     ----------
     models : mapping of int to LinearModel
         By order, with the field prior.
     """
-    log_tau = np.linspace(math.log(LOWEST), math.log(HIGHEST), STEPS + 1)
     orders = tuple(models)
+    lowest, _ = models[orders[-1]].prior.log_tau_bounds
+    log_tau = _grid(lowest)
     rows = []
     for model in models.values():
         at = log_tau if model.prior.scaled.any() else log_tau[:1]
@@ -71,6 +86,13 @@ def tau_sensitivity(models: Mapping[int, LinearModel]) -> TauSensitivity:
         frozen(softmax(evidence, axis=0)),
         _wins(log_tau, orders, evidence),
     )
+
+
+def _grid(lowest: float) -> Array:
+    """Grid of ln tau from `lowest` to 0 that holds every decade, ascending."""
+    steps = math.floor(-lowest / math.log(10) * STEPS)
+    down = -np.arange(steps + 1) * math.log(10) / STEPS
+    return np.unique(np.append(down, lowest))
 
 
 def _wins(log_tau: Array, orders: tuple[int, ...], evidence: Array) -> tuple[Win, ...]:

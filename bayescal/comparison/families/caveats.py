@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -17,9 +17,10 @@ from bayescal.density.pinhole import PinholeModel
 from bayescal.density.pinhole_coordinates import position_sd as pinhole_position_sd
 from bayescal.density.position_search import position_sd
 from bayescal.linear.evidence import NEAR_BOUND
-from bayescal.noise.level import SIGMA_BOUNDS
+from bayescal.noise.level import sigma_bounds
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
+from bayescal.polynomials import separable
 from bayescal.prior.camera import position_prior
 from bayescal.rounding import counted
 
@@ -40,10 +41,11 @@ def family_caveats(
         Their probabilities.
     """
     out: list[str] = []
+    bounds = {f"sigma_{a}": sigma_bounds(separable.axis_pixel(points, a)) for a in AXES}
     matter = [model for model, chance in zip(models, chances, strict=True) if chance >= 0.01]
     for model in matter:
         out += [f"the evidence of {model.name}: {warning}" for warning in model.warnings]
-        out += _at_bounds(model)
+        out += _at_bounds(model, bounds)
         if model.posterior is not None and not model.posterior.converged:
             out.append(f"sampling of {model.name} did not reach the stopping rule")
     loos = [(m, m.loo) for m in matter if m.loo is not None]
@@ -103,36 +105,37 @@ def _position_sd(model: JointModel) -> Array:
     return np.zeros(3)  # under robust noise the position found is the posterior's
 
 
-def _at_bounds(model: JointModel) -> list[str]:
+def _at_bounds(model: JointModel, bounds: Mapping[str, tuple[float, float]]) -> list[str]:
     """Say which sigma is held by a bound of its prior rather than by the pixels."""
     out = []
-    for name, masses in _masses_at_bounds(model):
+    for name, masses in _masses_at_bounds(model, bounds):
         whys = "the pixels have hardly any noise", "the model does not fit"
-        for bound, mass, why in zip(SIGMA_BOUNDS, masses, whys, strict=True):
+        for bound, mass, why in zip(bounds[name], masses, whys, strict=True):
             if mass > PILE:
                 share = f"{100 * mass:.0f} % of {name}'s posterior"
-                out.append(f"{model.name}: {share} lies at its bound, {bound:g} px: {why}")
+                out.append(f"{model.name}: {share} lies at its bound, {bound:.4g} px: {why}")
     return out
 
 
-def _masses_at_bounds(model: JointModel) -> list[tuple[str, tuple[float, float]]]:
+def _masses_at_bounds(
+    model: JointModel, bounds: Mapping[str, tuple[float, float]]
+) -> list[tuple[str, tuple[float, float]]]:
     """Give the posterior probability of each inferred sigma near its lower and upper bound, px."""
     if model.posterior is None:
         known = zip(AXES, model.exact, strict=False)
-        inferred = [(axis, e) for axis, e in known if e.model.noise.bounds == SIGMA_BOUNDS]
+        inferred = [(axis, e) for axis, e in known if e.model.noise.source == "inferred"]
         return [(f"sigma_{axis}", exact.sigma_at_bounds()) for axis, exact in inferred]
-    low, high = SIGMA_BOUNDS
     draws = model.posterior.chain.draws.reshape(-1, len(model.posterior.names))
     return [
         (
             name,
             (
-                float(np.mean(values < low * (1 + NEAR_BOUND))),
-                float(np.mean(values > high / (1 + NEAR_BOUND))),
+                float(np.mean(values < bounds[name][0] * (1 + NEAR_BOUND))),
+                float(np.mean(values > bounds[name][1] / (1 + NEAR_BOUND))),
             ),
         )
         for name, values in zip(model.posterior.names, draws.T, strict=True)
-        if name.startswith("sigma")
+        if name in bounds
     ]
 
 

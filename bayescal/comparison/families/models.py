@@ -100,7 +100,7 @@ def noise_levels(points: Correspondences, settings: Settings, highest: int) -> N
             if points.world_sigma() is not None or settings.sigma in ("replicates", "scale"):
                 raise
             sd = points.sigma.get(axis) if settings.sigma is None else None
-            level, text = _plain_level(settings, sd)
+            level, text = _plain_level(settings, sd, separable.axis_pixel(points, axis))
             if settings.choice.robust:
                 level = level.on_readings(pixels[i], sd)
         if level.mass < 1:
@@ -112,12 +112,12 @@ def noise_levels(points: Correspondences, settings: Settings, highest: int) -> N
     return NoiseLevels(data, (words[0], words[1]))
 
 
-def _plain_level(settings: Settings, sd: Array | None) -> tuple[NoiseLevel, str]:
+def _plain_level(settings: Settings, sd: Array | None, pixel: float) -> tuple[NoiseLevel, str]:
     if sd is not None:
         return NoiseLevel.known(1.0), "known per point, from the data"
     if isinstance(settings.sigma, float):
         return NoiseLevel.known(settings.sigma), f"known, {settings.sigma:g} px"
-    return NoiseLevel.inferred(), "inferred"
+    return NoiseLevel.inferred_in(pixel), "inferred"
 
 
 def joint_data(axes: tuple[Axis, Axis]) -> JointData:

@@ -11,7 +11,7 @@ from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.noise.model import NoiseModel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import RATE, SHAPE, StudentT
-from bayescal.prior.amplitudes import TAU_BOUNDS, PriorRule
+from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.document.defence import adequacy_rows, defence_document
 from bayescal.report.document.order import order_document
 from bayescal.report.document.shared import points_facts, provenance
@@ -158,7 +158,7 @@ def _prior(rule: PriorRule, order: int) -> dict[str, Any]:
     prior = rule.of_order(order)
     tau: dict[str, Any] | None = None
     if rule.name == "field":
-        inferred = {"kind": "log-uniform", "bounds": list(TAU_BOUNDS)}
+        inferred = {"kind": "log-uniform", "bounds": list(rule.tau_bounds)}
         tau = inferred if rule.tau is None else {"kind": "fixed", "value": rule.tau}
     flat = not prior.proper
     return {

@@ -25,6 +25,7 @@ def defence_document(defence: Defence) -> dict[str, Any]:
             "log_evidence": tau.log_evidence.tolist(),
             "probability": tau.probability.tolist(),
             "wins": [{"order": w.order, "tau": [w.lower, w.upper]} for w in tau.wins],
+            "possible": [{"order": w.order, "tau": [w.lower, w.upper]} for w in tau.possible],
         },
         "groups": defence.group_source,
         "points_that_matter": [_removal(r) for r in defence.points_that_matter],

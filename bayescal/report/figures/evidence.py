@@ -13,7 +13,6 @@ from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
 from bayescal.inference.posterior import Posterior
-from bayescal.prior.amplitudes import TAU_BOUNDS
 from bayescal.report.figures.style import BLUE, CYCLE, DASHES, GREY, PALE, WIDTH
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import significant
@@ -71,8 +70,9 @@ def _mark_tau(panel: Axes, axis: AxisComparison) -> None:
         label = f"tau as fixed, {axis.prior.tau:g}"
         panel.axvline(axis.prior.tau, color=GREY, linewidth=1, label=label)
     else:
-        label = f"prior of an\ninferred tau,\n{TAU_BOUNDS[0]:g} to {TAU_BOUNDS[1]:g}"
-        panel.axvspan(*TAU_BOUNDS, color=PALE, alpha=0.35, linewidth=0, label=label)
+        lower, upper = axis.prior.tau_bounds
+        label = f"prior of an\ninferred tau,\n{lower:.2g} to {upper:g}"
+        panel.axvspan(lower, upper, color=PALE, alpha=0.35, linewidth=0, label=label)
 
 
 def _draw_wins(strip: Axes, found: TauSensitivity) -> None:

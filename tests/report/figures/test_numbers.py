@@ -89,9 +89,10 @@ def test_evidence_curves_are_those_of_fixed_tau(thesis_comparison):
     # The reference is the highest of all, which the places need not hold.
     np.testing.assert_allclose(shown - shown[0, 0], truth - truth[0, 0], atol=2e-6)
     assert max(curve.get_ydata().max() for curve in curves) == 0
-    assert [text.get_text() for text in strip.texts] == ["4"]
+    assert [text.get_text() for text in strip.texts] == ["5", "4"]
     (shade,) = panel.patches
-    assert (shade.get_x(), shade.get_x() + shade.get_width()) == (0.001, 0.5)
+    assert shade.get_x() == pytest.approx(0.01 / 1920)
+    assert shade.get_x() + shade.get_width() == pytest.approx(0.5)
 
 
 def test_evidence_strip_follows_the_curves(thesis_comparison):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 from bayescal.inference.posterior import Posterior
 from bayescal.noise.gaussian import GAUSSIAN
-from bayescal.prior.amplitudes import TAU_BOUNDS, PriorRule
+from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.page.blocks import Block, Listing, Prose, Section
 from bayescal.report.page.subject import PageSubject
 from bayescal.report.terminal import noise_words
@@ -79,9 +79,9 @@ def _prior(rule: PriorRule) -> str:
         return "The coefficients had a flat prior, under which models have no evidence."
     if rule.name == "stated":
         return "The Legendre amplitudes of the polynomials had the normal priors of the setup file."
-    low, high = TAU_BOUNDS
+    low, high = rule.tau_bounds
     strength = (
-        f"tau log-uniform from {low:g} to {high:g} and averaged over"
+        f"tau log-uniform from {low:.3g} to {high:g} and averaged over"
         if rule.tau is None
         else f"tau = {rule.tau:g}"
     )
