@@ -125,7 +125,7 @@ def _compare_axis(
     rule = prior_rule(data, settings, task.stated)
     factors = factorise(data, orders[-1])
     priors = {k: rule.of_order(k) for k in orders}
-    fits = {k: solve(factors, k, noise.value) for k in orders}
+    fits = {k: solve(factors, k, noise.plug_in) for k in orders}
     where, rss = f"{data.source}: axis {data.axis}", fits[orders[-1]].rss
     check_resolved(where, noise, rss, len(data), orders[-1])
     if settings.choice.robust:

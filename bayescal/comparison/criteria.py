@@ -84,15 +84,16 @@ def criteria_from(
     -------
     Criteria
     """
-    inferred = noise.value is None
+    sigma = noise.plug_in
+    inferred = sigma is None
     k = n_coefficients + inferred
     if exact:
         return Criteria(k)
-    if noise.value is None:
+    if sigma is None:
         log_likelihood = -n / 2 * (LOG_2PI + math.log(rss / n) + 1) - log_sd
     else:
-        chi2 = rss / noise.value**2
-        log_likelihood = -0.5 * (chi2 + n * LOG_2PI) - n * math.log(noise.value) - log_sd
+        chi2 = rss / sigma**2
+        log_likelihood = -0.5 * (chi2 + n * LOG_2PI) - n * math.log(sigma) - log_sd
     aic = -2 * log_likelihood + 2 * k
     spare = n - k - 1
     aicc = aic + 2 * k * (k + 1) / spare if inferred and spare > 0 else None

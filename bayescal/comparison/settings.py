@@ -164,7 +164,7 @@ def noise_level(
             f"{data.source}: axis {data.axis}: errors of the world coordinates need the noise of "
             f"the pixels beside them; add --sigma PX or a column sigma_{data.axis}"
         )
-    alone = pixels.sd if pixels.sd is not None else np.full(len(data), level.value)
+    alone = pixels.sd if pixels.sd is not None else np.full(len(data), level.plug_in)
     combined = with_effective_deviations(pixels, alone, order)
     source += "; with the errors of the world coordinates, as effective variances"
     if level.source != "scale":
@@ -199,8 +199,11 @@ def _pixel_noise(
                 f"{data.source}: axis {data.axis}: sigma can't come from replicates, which {why}; "
                 "state --sigma or leave it inferred"
             )
-        words = f"{significant(pure, 3)} px, from replicates ({dof} dof), taken as known{ignored}"
-        return data, NoiseLevel.replicates(pure, dof), words
+        words = (
+            f"{significant(pure, 3)} px, from replicates ({dof} dof), inferred with their "
+            f"uncertainty{ignored}"
+        )
+        return data, NoiseLevel.replicates(pure, dof, data.pixel), words
     if isinstance(wanted, numbers.Real):
         _check_known(data, float(wanted))
         return data, NoiseLevel.known(float(wanted)), f"known, {wanted:g} px{ignored}"

@@ -46,6 +46,8 @@ class NoiseLevel:
     mass : float
         Share of the prior of an inferred sigma that lies between the bounds: below 1 where
         the rounding of the readings rules the rest out.
+    pure : float or None
+        Sigma of the replicates' spread alone, px.
     """
 
     source: str
@@ -53,6 +55,7 @@ class NoiseLevel:
     bounds: tuple[float, float] | None
     dof: int | None = None
     mass: float = 1.0
+    pure: float | None = None
 
     @classmethod
     def known(cls, sigma: float) -> NoiseLevel:
@@ -78,9 +81,21 @@ class NoiseLevel:
         return cls.inferred(sigma_bounds(pixel))
 
     @classmethod
-    def replicates(cls, sigma: float, dof: int) -> NoiseLevel:
-        """Sigma from the spread of true replicates, px."""
-        return cls("replicates", sigma, None, dof)
+    def replicates(cls, sigma: float, dof: int, pixel: float = 1.0) -> NoiseLevel:
+        """Sigma from the spread of true replicates, px, with that spread's own uncertainty.
+
+        A uniform ln sigma that has seen the replicates' spread is a scaled inverse chi-squared
+        of their degrees of freedom (Gelman et al. 2013, 2.6): the prior under which the places'
+        means are judged. As the likelihood of all points holds the spread too, the two together
+        are an inferred sigma's uniform prior times that likelihood; to take the inverse
+        chi-squared and all points would count the spread twice.
+        """
+        return cls("replicates", None, sigma_bounds(pixel), dof, pure=sigma)
+
+    @property
+    def plug_in(self) -> float | None:
+        """Sigma that likelihood criteria are at, px: known, or of the replicates alone."""
+        return self.value if self.value is not None else self.pure
 
     @classmethod
     def scale(cls) -> NoiseLevel:

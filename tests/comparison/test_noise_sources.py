@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import legval
 from scipy import stats
+from scipy.special import logsumexp
 
 import bayescal as bc
 from bayescal.comparison.criteria import criteria
@@ -68,11 +69,44 @@ def test_sigma_from_replicates_equals_the_pooled_sd():
     points = replicated()
     sigma, dof = pooled(points.pixels[:, 0])
     axis = compared(points, sigma="replicates").axes["r"]
-    assert axis.noise.value == pytest.approx(sigma, rel=1e-12)
+    assert axis.noise.value is None
+    assert axis.noise.pure == pytest.approx(sigma, rel=1e-12)
     assert axis.noise.dof == dof == 24
     assert (axis.reference.source, axis.reference.dof) == ("replicates", 24)
     assert axis.reference.value == pytest.approx(sigma, rel=1e-12)
     assert axis.noise_source.startswith(f"{sigma:.3g} px, from replicates (24 dof)")
+
+
+@pytest.mark.parametrize("repeats", [2, 4])
+def test_replicates_carry_the_uncertainty_of_their_spread(repeats):
+    """Truth: the places' means under a scaled inverse chi-squared prior of sigma, brute force.
+
+    ln B of two orders, by the dense normal of the means, sigma integrated over that prior.
+    """
+    points = replicated()
+    t = points.pixels[:, 0].reshape(PLACES, REPEATS)[:, :repeats]
+    rows = np.arange(PLACES * REPEATS).reshape(PLACES, REPEATS)[:, :repeats].ravel()
+    fewer = bc.Correspondences.from_arrays(
+        points.world[rows], points.pixels[rows], setup=points.setup
+    )
+    axis = bc.compare(fewer, (1, 2), axis="r", sigma="replicates", tau=0.01, ess=100).axes["r"]
+    dof = PLACES * (repeats - 1)
+    s2 = ((t - t.mean(axis=1, keepdims=True)) ** 2).sum() / dof
+    s = np.linspace(-1, 1, PLACES)
+    log_sigma = np.linspace(np.log(s2) / 2 - 8, np.log(s2) / 2 + 8, 6001)
+    size, logs = axis.data.size, []
+    for order in (1, 2):
+        x = np.polynomial.legendre.legvander(s, order)
+        sd = np.array([size / 2, size / 2, *[0.01 * size] * (order - 1)])
+        spread, vectors = np.linalg.eigh((x * sd**2) @ x.T)
+        misfit = vectors.T @ (t.mean(axis=1) - size / 2)
+        variance = spread[:, None] + np.exp(2 * log_sigma) / repeats
+        means = -(np.log(variance) + misfit[:, None] ** 2 / variance).sum(axis=0) / 2
+        # ln of sigma^-dof exp(-dof s^2 / 2 sigma^2), but for a constant.
+        prior = -dof * log_sigma - dof * s2 * np.exp(-2 * log_sigma) / 2
+        logs.append(logsumexp(means + prior))
+    found = axis[2].log_evidence - axis[1].log_evidence
+    assert found == pytest.approx(logs[1] - logs[0], abs=1e-5)
 
 
 def test_true_sigma_equals_that_from_replicates_on_average():

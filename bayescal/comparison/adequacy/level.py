@@ -22,7 +22,7 @@ def chi_squared(problem: Problem) -> AdequacyTest:
     large.
     """
     name = "chi2, known sigma"
-    sigma = problem.noise.value
+    sigma = problem.noise.plug_in
     if sigma is None:
         return untested(name, "sigma is not known but taken from the same residuals")
     if problem.noise.source == "replicates":
@@ -64,9 +64,9 @@ def whole_pixels(problem: Problem) -> AdequacyTest:
         factor = (problem.fit.sigma_hat if inferred else problem.noise.value) or 1.0
         sigma = float(np.median(problem.data.sd)) * factor
         whose = "the median sigma" if inferred else "the median known sigma"
-    elif problem.noise.value is not None:
+    elif problem.noise.plug_in is not None:
         known = problem.noise.source == "known"
-        sigma, whose = problem.noise.value, "the known sigma" if known else "sigma of replicates"
+        sigma, whose = problem.noise.plug_in, "the known sigma" if known else "sigma of replicates"
     elif problem.fit.sigma_hat is not None:
         sigma, whose = problem.fit.sigma_hat, "sigma of the residuals"
     else:

@@ -112,14 +112,16 @@ def _axis(
 ) -> AxisOutliers:
     data, level, words = chosen
     factors = factorise(data, orders[-1])
-    where, highest = f"{data.source}: axis {data.axis}", solve(factors, orders[-1], level.value)
+    where, highest = f"{data.source}: axis {data.axis}", solve(factors, orders[-1], level.plug_in)
     check_resolved(where, level, highest.rss, len(data), orders[-1])
     exact = {
         k: exact_posterior(LinearModel(factors, k, level, rule.of_order(k), data.symbol))
         for k in orders
     }
     gaussian = _closed_form({k: e.log_integral for k, e in exact.items()})
-    elimination = eliminate(data, orders, RejectionRule(rejection.significance, sigma=level.value))
+    elimination = eliminate(
+        data, orders, RejectionRule(rejection.significance, sigma=level.plug_in)
+    )
     sampled = []
     for noise in robust:
         tell(data.axis)
