@@ -28,7 +28,7 @@ Rows = NDArray[np.intp]
 CACHED = 300_000  # numbers held at once: few enough for a core's cache
 GIBBS = 2  # sweeps that make the quadrature's discrete sigma and tau continuous
 # A few thousandths of a nat, tens of thousands of times.
-QUICK = Accuracy(resolve=8.0, drop=11.0, panel_nodes=9, tau_nodes=17, panels=10)
+QUICK = Accuracy(resolve=8.0, drop=11.0, panel_nodes=9, tau_nodes=21, panels=10)
 # ln sigma is integrated by equal steps, in units of the least width sigma's density can have,
 # 1 / sqrt(2 n): for a normal of that width the error is exp(-2 pi^2 / step^2) of the integral.
 STEP = 1.4
