@@ -48,6 +48,7 @@ _EXPORTS = {
     "plot": "bayescal.report.figures.registry",
     "outliers": "bayescal.api.outliers",
     "reproduce": "bayescal.reproduction.procedure",
+    "simulate": "bayescal.simulation",
 }
 
 __all__ = [
@@ -78,6 +79,7 @@ __all__ = [
     "save_report",
     "save_run",
     "save_views",
+    "simulate",
     "thesis",
 ]
 
@@ -100,6 +102,7 @@ if TYPE_CHECKING:
     from bayescal.report.page.page import save_report
     from bayescal.report.runs import open_run, save_run
     from bayescal.reproduction.procedure import reproduce
+    from bayescal.simulation import simulate
 
 
 def __getattr__(name: str) -> Any:

@@ -6,23 +6,24 @@ import dataclasses
 from collections.abc import Iterable
 from typing import Unpack
 
+from bayescal.api.given import Given, GivenSetup, points_of
 from bayescal.api.options import Options, spelled_out
 from bayescal.comparison.analysis import Progress, analyse_points
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
 from bayescal.errors import InputError
-from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import axis_names
 
 
 @spelled_out(Options)
 def compare(
-    points: Correspondences,
+    points: Given,
     orders: Iterable[int] = DEFAULT_ORDERS,
     *,
     axis: str = "both",
     defend: bool = False,
     hint: bool = True,
+    setup: GivenSetup = None,
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> Comparison:
@@ -30,8 +31,8 @@ def compare(
 
     Parameters
     ----------
-    points : Correspondences
-        From `load`, `thesis` or ``Correspondences.from_arrays``.
+    points : Correspondences, str, Path, DataFrame or array_like
+        From `load`, `thesis` or ``Correspondences.from_arrays``, or anything `load` takes.
     orders : iterable of int, optional
         Polynomial degrees, 1 to 5 by default.
     axis : str, optional
@@ -41,6 +42,8 @@ def compare(
         removal and resampling of points, orders beyond the range (some seconds more).
     hint : bool, optional
         Look whether another family or a free camera position is decisively better.
+    setup : Setup or str or Path, optional
+        What is known of the camera, where the points don't know it.
     progress : callable, optional
         Called with axis and order before each model is sampled.
     **options : Options
@@ -58,6 +61,7 @@ def compare(
     wanted = checked_orders(orders)
     settings = Settings(**options, defend=defend)
     by_axis = dict.fromkeys(axis_names(axis), wanted)
+    points = points_of(points, setup)
     result = analyse_points(points, by_axis, settings, progress)
     if not hint:
         return result
@@ -68,10 +72,11 @@ def compare(
 
 @spelled_out(Options)
 def fit(
-    points: Correspondences,
+    points: Given,
     order_r: int | None = None,
     order_c: int | None = None,
     *,
+    setup: GivenSetup = None,
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> Comparison:
@@ -79,10 +84,11 @@ def fit(
 
     Parameters
     ----------
-    points : Correspondences
+    points : Correspondences, str, Path, DataFrame or array_like
+        From `load`, `thesis` or ``Correspondences.from_arrays``, or anything `load` takes.
     order_r, order_c : int, optional
         Polynomial degrees; an axis without one is left out.
-    progress : callable, optional
+    setup, progress : optional
         As in `compare`.
     **options : Options
         Of noise, prior and sampling: see `bayescal.comparison.settings.Settings`.
@@ -99,4 +105,6 @@ def fit(
     orders = {a: checked_orders([k]) for a, k in (("r", order_r), ("c", order_c)) if k is not None}
     if not orders:
         raise InputError("give the order of r, of c or of both")
-    return analyse_points(points, orders, Settings(**options, defend=False), progress)
+    return analyse_points(
+        points_of(points, setup), orders, Settings(**options, defend=False), progress
+    )

@@ -5,26 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Unpack
 
+from bayescal.api.given import Given, GivenSetup, points_of
 from bayescal.api.options import Options, spelled_out
 from bayescal.cameras.pinhole import Radial
 from bayescal.comparison.analysis import Progress
 from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.results import FamilyComparison, FamilyRequest
 from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
-from bayescal.points.correspondences import Correspondences
 
 RADIAL_ORDERS = (0, 1, 2, 3)
 
 
 @spelled_out(Options)
 def compare_families(
-    points: Correspondences,
+    points: Given,
     families: Sequence[str] = ("separable", "bivariate", "pinhole"),
     orders: Iterable[int] = DEFAULT_ORDERS,
     *,
     position: Sequence[str] | None = None,
     radial: Radial = "even",
     radial_orders: Iterable[int] = RADIAL_ORDERS,
+    setup: GivenSetup = None,
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> FamilyComparison:
@@ -32,7 +33,8 @@ def compare_families(
 
     Parameters
     ----------
-    points : Correspondences
+    points : Correspondences, str, Path, DataFrame or array_like
+        From `load`, `thesis` or ``Correspondences.from_arrays``, or anything `load` takes.
     families : sequence of str, optional
         Of ``"separable"``, ``"bivariate"``, ``"pinhole"``.
     orders : iterable of int, optional
@@ -43,6 +45,8 @@ def compare_families(
         ``"even"`` or ``"all"`` powers of the radius in the pinhole's distortion.
     radial_orders : iterable of int, optional
         Numbers of radial coefficients.
+    setup : Setup or str or Path, optional
+        What is known of the camera, where the points don't know it.
     progress : callable, optional
         Called with the family and its position before its models are fitted.
     **options : Options
@@ -60,7 +64,7 @@ def compare_families(
     """
     settings = Settings(**options, defend=False)
     request = family_request(families, orders, position, radial, radial_orders)
-    return compare_joint(points, request, settings, progress)
+    return compare_joint(points_of(points, setup), request, settings, progress)
 
 
 def family_request(
@@ -82,25 +86,27 @@ def family_request(
 
 @spelled_out(Options)
 def fit_family(
-    points: Correspondences,
+    points: Given,
     family: str,
     orders: tuple[int, ...],
     *,
     position: str | None = None,
     radial: Radial = "even",
+    setup: GivenSetup = None,
     **options: Unpack[Options],
 ) -> FamilyComparison:
     """Fit one model of r and c together; what `compare_families` gives, with one model.
 
     Parameters
     ----------
-    points : Correspondences
+    points : Correspondences, str, Path, DataFrame or array_like
+        From `load`, `thesis` or ``Correspondences.from_arrays``, or anything `load` takes.
     family : str
     orders : tuple of int
         Of r and c in the separable family, else one.
     position : str, optional
         ``"stated"`` or ``"free"``; by default stated, and free for a pinhole.
-    radial : str, optional
+    radial, setup : optional
         As in `compare_families`.
     **options : Options
         Of noise, prior and sampling: see
@@ -121,4 +127,4 @@ def fit_family(
     pair = ((orders[0], orders[-1]),) if family == "separable" else None
     where = None if position is None else (position,)
     request = FamilyRequest((family,), degrees, where, radial, radial_orders, pair)
-    return compare_joint(points, request, settings)
+    return compare_joint(points_of(points, setup), request, settings)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
+from bayescal.api.given import Given, GivenSetup, points_of
 from bayescal.comparison.outliers.analysis import find_outliers
 from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import OutlierStudy
@@ -11,14 +12,13 @@ from bayescal.comparison.settings import DEFAULT_ESS, DEFAULT_ORDERS, Settings, 
 from bayescal.errors import InputError
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
-from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import axis_names
 
 SIGNIFICANCE = 0.05
 
 
 def outliers(
-    points: Correspondences,
+    points: Given,
     orders: Iterable[int] = DEFAULT_ORDERS,
     *,
     axis: str = "both",
@@ -30,14 +30,15 @@ def outliers(
     significance: float = SIGNIFICANCE,
     seed: int = 0,
     ess: int = DEFAULT_ESS,
+    setup: GivenSetup = None,
     progress: Callable[[str], None] | None = None,
 ) -> OutlierStudy:
     """Find bad points, and whether the choice of the order depends on them.
 
     Parameters
     ----------
-    points : Correspondences
-        From `load`, `thesis` or ``Correspondences.from_arrays``.
+    points : Correspondences, str, Path, DataFrame or array_like
+        From `load`, `thesis` or ``Correspondences.from_arrays``, or anything `load` takes.
     orders : iterable of int, optional
         Polynomial degrees, 1 to 5 by default.
     axis : str, optional
@@ -52,6 +53,8 @@ def outliers(
         Of the chi-squared elimination, family-wise.
     ess : int, optional
         Effective samples wanted of every parameter.
+    setup : Setup or str or Path, optional
+        What is known of the camera, where the points don't know it.
     progress : callable, optional
         Called with the axis before each noise model is sampled.
 
@@ -71,7 +74,9 @@ def outliers(
     if prior == "flat":
         raise InputError("outliers compares evidences, which a flat prior does not have")
     tell = progress if progress is not None else _silent
-    return find_outliers(points, axis_names(axis), wanted, settings, noises, rule, tell)
+    return find_outliers(
+        points_of(points, setup), axis_names(axis), wanted, settings, noises, rule, tell
+    )
 
 
 def _silent(_: str) -> None:

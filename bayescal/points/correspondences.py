@@ -123,6 +123,15 @@ class Correspondences:
             digest.update(array.tobytes())
         return cls(w, p, names, groups, sigma, setup or Setup(), sha256=digest.hexdigest())
 
+    def __post_init__(self) -> None:
+        shapes = [getattr(array, "shape", None) for array in (self.world, self.pixels)]
+        arrays = isinstance(self.world, np.ndarray) and isinstance(self.pixels, np.ndarray)
+        if not arrays or shapes != [(len(self.labels), 3), (len(self.labels), 2)]:
+            raise InputError(
+                "Correspondences holds arrays world (n, 3) and pixels (n, 2) and n labels; build "
+                "it with bc.load(...) or Correspondences.from_arrays(world, pixels)"
+            )
+
     def __len__(self) -> int:
         return len(self.world)
 

@@ -68,9 +68,7 @@ def load(
         Where the source can't be used; the message names the line.
     """
     stated = parse_stated(columns) if isinstance(columns, str) else columns
-    camera = load_setup(setup) if isinstance(setup, str | Path) else setup
-    if not isinstance(camera, Setup | None):
-        raise InputError(f"setup must be a Setup or a TOML file, not {_kind(camera)}")
+    camera = None if setup is None else camera_of(setup)
     if not isinstance(source, str | Path):
         return _in_memory(source, camera, stated, view)
     content = read_content(source, "a points file")
@@ -84,6 +82,14 @@ def load(
         found, own = _one_file(content, stated, view)
     points = points_of(name, found, own if camera is None else camera, view)
     return dataclasses.replace(points, sha256=digest.hexdigest())
+
+
+def camera_of(setup: Setup | str | Path) -> Setup:
+    """Read a setup's file, where it is not a setup already."""
+    found = load_setup(setup) if isinstance(setup, str | Path) else setup
+    if not isinstance(found, Setup):
+        raise InputError(f"setup must be a Setup or a TOML file, not {_kind(found)}")
+    return found
 
 
 def _one_file(

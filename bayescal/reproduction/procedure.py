@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from functools import partial
+from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -17,6 +18,7 @@ from bayescal.errors import InputError
 from bayescal.linear.design_fit import DesignFit, fit_design
 from bayescal.noise.level import NoiseLevel
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.reader import load
 from bayescal.points.setup import AXES
 from bayescal.polynomials.separable import axis_data
 from bayescal.reproduction.models import VARIANTS, ThesisModel
@@ -29,7 +31,7 @@ from bayescal.reproduction.results import (
 
 
 def reproduce(
-    points: Correspondences,
+    points: Any,
     orders: Iterable[int] = DEFAULT_ORDERS,
     *,
     significance: float = 0.05,
@@ -41,8 +43,8 @@ def reproduce(
 
     Parameters
     ----------
-    points : Correspondences
-        From `thesis` or `load`.
+    points : Correspondences, str, Path, DataFrame or array_like
+        From `thesis` or `load`, or anything `load` takes.
     orders : iterable of int, optional
         Polynomial degrees, 1 to 5 by default as in the thesis.
     significance : float, optional
@@ -70,6 +72,8 @@ def reproduce(
     >>> [round(o.before.rss, 1) for o in r.orders]
     [3074.6, 1571.3, 1524.2, 1522.6, 1461.3]
     """
+    if not isinstance(points, Correspondences):
+        points = load(points)
     wanted = checked_orders(orders)
     if isinstance(sigma, str) and sigma != "inferred":
         raise InputError(f"sigma must be 'inferred' or a number of px, not {sigma!r}")
