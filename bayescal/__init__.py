@@ -33,6 +33,7 @@ _EXPORTS = {
     "save_views": "bayescal.points.view_writer",
     "thesis": "bayescal.points.bundled",
     "chessboard": "bayescal.points.bundled",
+    "calibrate": "bayescal.api.calibrate",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
     "compare_polynomials": "bayescal.api.polynomials",
@@ -58,6 +59,7 @@ __all__ = [
     "Setup",
     "Views",
     "__version__",
+    "calibrate",
     "chessboard",
     "compare",
     "compare_families",
@@ -85,6 +87,7 @@ __all__ = [
 
 if TYPE_CHECKING:
     from bayescal.api.axes import compare, fit
+    from bayescal.api.calibrate import calibrate
     from bayescal.api.families import compare_families, fit_family
     from bayescal.api.outliers import outliers
     from bayescal.api.polynomials import compare_polynomials, fit_polynomial, least_squares

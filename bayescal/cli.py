@@ -10,13 +10,24 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from bayescal.commands import compare, detect, fit, outliers, plot, report, reproduce, simulate
+from bayescal.commands import (
+    calibrate,
+    compare,
+    detect,
+    fit,
+    outliers,
+    plot,
+    report,
+    reproduce,
+    simulate,
+)
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.commands.streams import discard, prepared
 from bayescal.errors import BayescalError
 from bayescal.version import __version__
 
 COMMANDS = {
+    "calibrate": calibrate,
     "compare": compare,
     "detect": detect,
     "fit": fit,

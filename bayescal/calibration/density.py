@@ -11,14 +11,14 @@ determinant of the poses' blocks is evaluated at x, the coupling by the offsets 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, IntArray
 from bayescal.calibration.error_model import Shared
 from bayescal.calibration.laplace import INFERRED, Laplace, Level, constant, degrees, laplace
 from bayescal.calibration.lens_model import LensModel
@@ -74,6 +74,15 @@ class Problem:
         return eliminate(self.views, self.root)
 
     @cached_property
+    def noise(self) -> Array:
+        """Residuals at the reference less what the target's offsets explain, as of `stack`."""
+        if self.root is None:
+            return self.stack.residuals
+        offsets = (self.root @ self.reduced.offset_step[:, -1]).reshape(-1, 3)
+        moved = np.einsum("vnai,vni->vna", self.stack.by_target, offsets[self.data.which])
+        return np.asarray(self.stack.residuals - moved)
+
+    @cached_property
     def response(self) -> Array:
         """How the poses follow the lens, ``(n_views, 6, dimension + 1)``."""
         return pose_response(self.views, self.reduced, self.root)
@@ -116,6 +125,22 @@ class Problem:
         fixed = constant(self.data, 0.0, self.shared.log_det)
         found = self.level.log_density(np.maximum(squares, 0.0), degrees(self.data))
         return found + fixed - log_det / 2, possible & np.isfinite(squares)
+
+    def squares(self, x: Array) -> Array:
+        """Smallest sum of squares over poses and offsets at lenses ``(n_draws, dimension)``."""
+        rows = max(1, AT_A_TIME // self.data.pixels.size)
+        parts = []
+        for i in range(0, len(x), rows):
+            part = x[i : i + rows]
+            misfit, _ = residuals(self.model, self.data, part, self.poses_at(part))
+            parts.append(self._least_squares(misfit))
+        return np.concatenate(parts)
+
+    def only(self, views: IntArray) -> Problem:
+        """Give the same lens under the same error model for some of the views."""
+        data, poses = self.data.only(views), self.poses.only(views)
+        shared = self.shared.only(views, data.which.shape[1])
+        return replace(self, data=data, poses=poses, shared=shared)
 
     def _least_squares(self, misfit: Array) -> Array:
         """Smallest sum of squares over poses near by, ``(n_draws,)``."""

@@ -134,6 +134,7 @@ def follow(
     grid: ErrorGrid,
     log_evidence: Callable[[Node], float],
     start: Iterable[Node],
+    kept: float = KEPT,
     most: int = 400,
 ) -> Averaged:
     """Evaluate nodes outwards from the best until their neighbours don't matter.
@@ -144,6 +145,8 @@ def follow(
     log_evidence : callable
         Of a node.
     start : iterable of Node
+    kept : float, optional
+        How far below the best a node may be for its neighbours to be looked at, nat.
     most : int, optional
         Nodes to evaluate at most.
     """
@@ -151,7 +154,7 @@ def follow(
     done: set[Node] = set()
     while len(found) < most:
         best = max(found.values())
-        open_nodes = [n for n, v in found.items() if n not in done and v > best - KEPT]
+        open_nodes = [n for n, v in found.items() if n not in done and v > best - kept]
         if not open_nodes:
             break
         node = max(open_nodes, key=lambda n: found[n])
@@ -161,5 +164,7 @@ def follow(
                 found[other] = log_evidence(other) + grid.log_prior(other)
     order = sorted(found, key=lambda n: -found[n])
     total = float(logsumexp(list(found.values())))
-    kept = [n for n in order if found[n] > total - KEPT]
-    return Averaged(total, tuple(kept), tuple(math.exp(found[n] - total) for n in kept), len(found))
+    likely = [n for n in order if found[n] > total - kept]
+    return Averaged(
+        total, tuple(likely), tuple(math.exp(found[n] - total) for n in likely), len(found)
+    )

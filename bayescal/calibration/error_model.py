@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, IntArray, frozen
 from bayescal.calibration.observations import Observations
 
 SMOOTH_LENGTH = 0.25  # diagonals
@@ -59,16 +59,31 @@ class Shared:
     ----------
     inverse : Array or None
         ``(n_views, n_places, n_places)``; None for independent noise.
-    log_det : float
-        Of the covariance, over both axes and all views.
+    log_dets : Array
+        Log determinant of each view's covariance, over both axes, ``(n_views,)``; empty for
+        independent noise.
     """
 
     inverse: Array | None
-    log_det: float
+    log_dets: Array
+
+    @property
+    def log_det(self) -> float:
+        """Log determinant over all views."""
+        return float(self.log_dets.sum())
+
+    def only(self, views: IntArray, n_places: int) -> Shared:
+        """Noise within some views, of their first places: the others are empty."""
+        if self.inverse is None:
+            return self
+        return Shared(self.inverse[views][:, :n_places, :n_places], self.log_dets[views])
 
     def apply(self, values: Array) -> Array:
         """Multiply by the inverse, ``(..., n_views, n_places, k)``."""
         return values if self.inverse is None else np.asarray(self.inverse @ values)
+
+
+INDEPENDENT = Shared(None, frozen(np.zeros(0)))
 
 
 class Geometry:
@@ -97,7 +112,7 @@ class Geometry:
     def shared(self, error: ErrorModel) -> Shared:
         """Noise within the views."""
         if not error.correlated:
-            return Shared(None, 0.0)
+            return INDEPENDENT
         data = self.data
         kernel = error.correlated * np.exp(-self.distance / error.length)
         one = data.n_views > 0 and bool((data.which == data.which[0]).all() and data.seen.all())
@@ -110,8 +125,8 @@ class Geometry:
         inverse = np.linalg.inv(covariance)
         if one:
             inverse = np.broadcast_to(inverse, (data.n_views, *inverse.shape[1:]))
-            return Shared(inverse, float(log_det[0]) * data.n_views)
-        return Shared(inverse, float(log_det.sum()))
+            log_det = np.broadcast_to(log_det, data.n_views)
+        return Shared(inverse, log_det)
 
     def offset_root(self, error: ErrorModel, unit: float) -> Array | None:
         """Root of the covariance of the target's offsets over sigma^2.

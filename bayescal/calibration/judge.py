@@ -10,7 +10,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_grid import Averaged, ErrorGrid, Node, follow
-from bayescal.calibration.error_model import Geometry, Shared
+from bayescal.calibration.error_model import INDEPENDENT, Geometry, Shared
 from bayescal.calibration.evidence import settled, weighed
 from bayescal.calibration.laplace import Level, laplace
 from bayescal.calibration.least_squares import Fit, with_bow
@@ -21,6 +21,7 @@ from bayescal.calibration.strengths import strengths
 from bayescal.inference.estimate import EvidenceEstimate
 
 FIRST_NODE: Node = (3, 3, 3, 3)
+NEARLY = 1.0  # nat: nodes looked at before residuals are linearised about the best
 COARSE = 6  # nodes of each strength while error models are compared
 
 
@@ -85,7 +86,7 @@ class LensEvidence:
 
 def length_of_pixel(model: LensModel, data: Observations, fit: Fit) -> float:
     """Length on the target that makes 1 px, in the root mean square, diagonals."""
-    stack = Problem(model, data, fit.x, fit.poses, Shared(None, 0.0), None).stack
+    stack = Problem(model, data, fit.x, fit.poses, INDEPENDENT, None).stack
     slopes = stack.by_target[data.seen][..., :2]
     return float(1 / np.sqrt(2 * (slopes**2).mean()))
 
@@ -112,12 +113,12 @@ def lens_evidence(
     rng : numpy.random.Generator
     draws : int
     """
-    data, white = setting.data, Shared(None, 0.0)
+    data = setting.data
     bowed, begin = with_bow(fit, model) if setting.bow else (model, fit)
-    reference = Problem(bowed, data, begin.x, begin.poses, white, None, setting.level)
+    reference = Problem(bowed, data, begin.x, begin.poses, INDEPENDENT, None, setting.level)
     reference = settled(reference)
     comparer = _Comparer(reference, setting)
-    errors = follow(setting.grid, comparer, start)
+    errors = follow(setting.grid, comparer, start, NEARLY)
     best = settled(comparer.problem(errors.nodes[0]))
     # Once more from where the best error model has its mode: the residuals were linear elsewhere.
     comparer = _Comparer(best, setting)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.error_model import Shared
+from bayescal.calibration.error_model import INDEPENDENT
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import eliminate, pose_response, reduce
@@ -17,7 +17,6 @@ from bayescal.calibration.stacking import Poses, Stacked, residuals, stacked
 MOST_STEPS = 200
 SETTLED = 1e-13  # relative fall of the sum of squares
 FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-15, 1e12
-INDEPENDENT = Shared(None, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,8 @@ r"""A lens model's parameters: coordinates in which priors are stated in pixels.
 Coordinates are ln(f / width), ln(fy / fx), the principal point (px), for each distortion
 coefficient the displacement d_j (px) it makes at the image's corner radius R, and the bow of
 a planar target (in its diagonals). With n the power of the radius that the displacement of
-k_j grows with, k_j = d_j f^(n - 1) / R^n.
+k_j grows with, k_j = d_j f^(n - 1) / R^n. Coefficients that give a lens its shape have bounds, not
+amplitudes: uniform between finite ones, log-normal above 0, their coordinates standard normal.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.special import ndtr, ndtri
 
 from bayescal.arrays import Array
 from bayescal.cameras.lenses.lens import Lens
@@ -21,6 +23,7 @@ LOG_2PI = math.log(2 * math.pi)
 FOCAL_SD, ASPECT_SD, CENTRE_SD = 0.7, 0.05, 0.1
 # Bounds of tau, the size of the displacements: fractions of the width; of the diagonal for bow.
 WIDE, NARROW, BOW = (1e-3, 0.5), (1e-4, 0.05), (1e-4, 0.03)
+SHAPE = "shape"
 STRENGTHS = {"tangential": NARROW, "thin-prism": NARROW, "bow": BOW}
 
 
@@ -95,7 +98,11 @@ class LensModel:
 
     @property
     def n_plain(self) -> int:
-        """Coordinates without a strength: the first ones."""
+        """Coordinates without a strength, the first ones: a lens has its shape ones first."""
+        return self._n_intrinsics + self.lens.groups.count(SHAPE)
+
+    @property
+    def _n_intrinsics(self) -> int:
         return (1 if self.square else 2) + (0 if self.centred else 2)
 
     @cached_property
@@ -103,7 +110,8 @@ class LensModel:
         """Groups of coordinates that share a tau."""
         of: dict[str, list[int]] = {}
         for j, name in enumerate(self.lens.groups):
-            of.setdefault(name, []).append(self.n_plain + j)
+            if name != SHAPE:
+                of.setdefault(name, []).append(self._n_intrinsics + j)
         if self.bow:
             of["bow"] = [self.dimension - 2, self.dimension - 1]
         return tuple(
@@ -124,6 +132,8 @@ class LensModel:
             mean, sd = [*mean, 0.0], [*sd, ASPECT_SD]
         if not self.centred:
             mean, sd = [*mean, *self.middle], [*sd, *[CENTRE_SD * self.size[0]] * 2]
+        shapes = self.lens.groups.count(SHAPE)
+        mean, sd = [*mean, *[0.0] * shapes], [*sd, *[1.0] * shapes]
         return np.array(mean), np.array(sd)
 
     def log_plain_prior(self, x: Array) -> Array:
@@ -147,7 +157,14 @@ class LensModel:
             cx, cy, at = x[..., at], x[..., at + 1], at + 2
         n = len(self.lens.names)
         k = x[..., at : at + n] * self._scale(fx)
+        for j, bounds in self._shapes:
+            k[..., j] = _shape(x[..., at + j], bounds)
         return np.stack([fx, fy, cx, cy], axis=-1), k, x[..., at + n :]
+
+    @cached_property
+    def _shapes(self) -> list[tuple[int, tuple[float, float]]]:
+        """Coefficients of the lens's shape, with their bounds."""
+        return [(j, self.lens.bounds[j]) for j, g in enumerate(self.lens.groups) if g == SHAPE]
 
     def coordinates(self, intrinsics: Array, k: Array, bow: Array | None = None) -> Array:
         """Coordinates of physical parameters; the inverse of `physical`."""
@@ -157,7 +174,10 @@ class LensModel:
             parts.append(np.log(fy / fx)[..., None])
         if not self.centred:
             parts.append(np.stack([cx, cy], axis=-1))
-        parts.append(k / self._scale(fx))
+        amplitudes = k / self._scale(fx)
+        for j, bounds in self._shapes:
+            amplitudes[..., j] = _shape_coordinate(k[..., j], bounds)
+        parts.append(amplitudes)
         if self.bow:
             parts.append(np.zeros((*fx.shape, 2)) if bow is None else bow)
         return np.concatenate(parts, axis=-1)
@@ -189,11 +209,36 @@ class LensModel:
         """
         (fx, fy, _, _), k, _ = self.physical(x)
         by_log_f = by_intrinsics[..., 0] * fx + by_intrinsics[..., 1] * fy
-        by_log_f = by_log_f + by_k @ (k * (self._powers - 1))
+        follows = k * (self._powers - 1)
+        scale = self._scale(np.asarray(fx))
+        for j, bounds in self._shapes:
+            y = x[self._n_intrinsics + j]
+            follows[j], scale[j] = 0.0, _shape_slope(y, bounds)
+        by_log_f = by_log_f + by_k @ follows
         parts = [by_log_f[..., None]]
         if not self.square:
             parts.append(by_intrinsics[..., 1:2] * fy)
         if not self.centred:
             parts.append(by_intrinsics[..., 2:])
-        parts.append(by_k * self._scale(np.asarray(fx)))
+        parts.append(by_k * scale)
         return np.concatenate(parts, axis=-1)
+
+
+def _shape(y: Array, bounds: tuple[float, float]) -> Array:
+    """Coefficient whose coordinate is standard normal."""
+    low, high = bounds
+    return np.asarray(low + np.exp(y) if math.isinf(high) else low + (high - low) * ndtr(y))
+
+
+def _shape_coordinate(k: Array, bounds: tuple[float, float]) -> Array:
+    low, high = bounds
+    if math.isinf(high):
+        return np.asarray(np.log(k - low))
+    return np.asarray(ndtri(np.clip((k - low) / (high - low), 1e-12, 1 - 1e-12)))
+
+
+def _shape_slope(y: float, bounds: tuple[float, float]) -> float:
+    low, high = bounds
+    if math.isinf(high):
+        return math.exp(y)
+    return (high - low) * math.exp(-(y**2) / 2) / math.sqrt(2 * math.pi)

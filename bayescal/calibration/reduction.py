@@ -103,21 +103,29 @@ def reduce(
 
 def _inner(stack: Stacked, data: Observations, shared: Shared) -> Array:
     """G' R^-1 G over all views, ``(3 n_target, 3 n_target)``."""
-    m = len(data.target)
+    m, n = len(data.target), data.which.shape[1]
     total = np.zeros((m, 3, m, 3))
+    alike = bool((data.which == data.which[0]).all() and data.seen.all())
+    flat = stack.by_target.transpose(0, 1, 3, 2).reshape(data.n_views, 3 * n, 2)
+    summed = np.zeros((n, 3, n, 3))
     for v in range(data.n_views):
-        slope, which = stack.by_target[v], data.which[v]
-        seen = data.seen[v]
-        slope, which = slope[seen], which[seen]
+        which = data.which[v]
         if shared.inverse is None:
-            block = np.einsum("nai,naj->nij", slope, slope)
-            total[which, :, which] += block  # a view shows each point once
+            slope = stack.by_target[v][data.seen[v]]
+            # A view shows each point once.
+            total[which[data.seen[v]], :, which[data.seen[v]]] += np.einsum(
+                "nai,naj->nij", slope, slope
+            )
             continue
-        inverse = shared.inverse[v][np.ix_(seen, seen)]
-        flat = slope.transpose(0, 2, 1).reshape(-1, 2)  # (n, 3) by axis
-        block = (flat @ flat.T).reshape(len(which), 3, len(which), 3)
-        block = block * inverse[:, None, :, None]
-        total[which[:, None], :, which[None, :], :] += block.transpose(0, 2, 1, 3)
+        block = (flat[v] @ flat[v].T).reshape(n, 3, n, 3) * shared.inverse[v][:, None, :, None]
+        if alike:
+            summed += block
+        else:
+            seen = data.seen[v]
+            block = block[seen][:, :, seen].transpose(0, 2, 1, 3)
+            total[which[seen][:, None], :, which[seen][None, :], :] += block
+    if alike and shared.inverse is not None:
+        total[data.which[0][:, None], :, data.which[0][None, :], :] += summed.transpose(0, 2, 1, 3)
     return total.reshape(3 * m, 3 * m)
 
 

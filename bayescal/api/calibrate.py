@@ -1,0 +1,73 @@
+"""Lens models compared over many views of a target."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+from bayescal.comparison.lenses.analysis import compare_lenses
+from bayescal.comparison.lenses.results import LensComparison
+from bayescal.comparison.lenses.sweep import Request
+from bayescal.errors import InputError
+from bayescal.points.views import Views
+
+
+def calibrate(
+    views: Views,
+    *,
+    lenses: Sequence[str] | None = None,
+    sigma: float | None = None,
+    independent: bool = False,
+    square: bool = False,
+    centred: bool = False,
+    seed: int = 0,
+    ess: int = 400,
+    progress: Callable[[str], None] | None = None,
+) -> LensComparison:
+    """Compare lens models by their evidence, the poses of the views integrated out.
+
+    Parameters
+    ----------
+    views : Views
+        At least two photographs of one target by one camera.
+    lenses : sequence of str, optional
+        Such as ``"radial 2"``, ``"radial 2 + p"`` (with tangential terms), ``"fisheye 3"`` or
+        ``"opencv5"``; by default they are found, plain ones first, while the evidence rises.
+    sigma : float, optional
+        Known standard deviation of r and c, px; inferred by default. With the views' own
+        deviations it is a factor on them.
+    independent : bool, optional
+        Take noise as independent and the target as exact, which no real target is: the error
+        models (correlated noise, points of the target that are off, a target that bows) are
+        then left out.
+    square, centred : bool, optional
+        Hold fx = fy; hold the principal point in the middle of the image.
+    seed : int, optional
+        Of all randomness.
+    ess : int, optional
+        Effective samples wanted of every parameter.
+    progress : callable, optional
+        Called with what is being done.
+
+    Returns
+    -------
+    LensComparison
+
+    Raises
+    ------
+    InputError
+        Where an option can't be used, or no lens can be fitted.
+    """
+    if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
+        raise InputError(f"sigma must be a positive number of px, not {sigma:g}")
+    if seed < 0:
+        raise InputError(f"seed must be 0 or more, not {seed}")
+    if ess < 1:
+        raise InputError(f"ess must be 1 or more, not {ess}")
+    if len(views) < 2:
+        raise InputError(
+            f"{views.source}: one view can't tell lens from pose; take at least two, better ten"
+        )
+    names = None if lenses is None else tuple(lenses)
+    request = Request(names, sigma, independent, square, centred, seed, ess)
+    return compare_lenses(views, request, progress or (lambda _: None))

@@ -1,0 +1,1 @@
+"""Lens models compared over many views of a target."""

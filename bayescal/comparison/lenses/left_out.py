@@ -1,0 +1,57 @@
+"""Each view left out in turn, and the views in two halves: refits, not weights."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from bayescal.arrays import Array, IntArray
+from bayescal.calibration.density import Problem
+from bayescal.comparison.lenses.results import ViewsLeftOut
+
+REFITS = 2  # Gauss-Newton steps from the fit to all views
+
+
+def leave_views_out(problem: Problem) -> ViewsLeftOut | None:
+    """Predict each view from the others under the same error model.
+
+    ln p(view | others) is the difference of two evidences, both by linear algebra. None for
+    fewer than three views.
+    """
+    n = problem.data.n_views
+    if n < 3:
+        return None
+    densities, lenses = [], []
+    for view in range(n):
+        rest = refitted(problem, np.delete(np.arange(n), view))
+        densities.append(problem.laplace.log_evidence - rest.laplace.log_evidence)
+        lenses.append(rest.x + rest.laplace.mean)
+    return ViewsLeftOut(np.array(densities), np.array(lenses))
+
+
+def refitted(problem: Problem, views: IntArray) -> Problem:
+    """Fit a lens to some of the views, from where it is."""
+    found = problem.only(views)
+    for _ in range(REFITS):
+        step = found.laplace.mean
+        moved = replace(found, x=found.x + step, poses=found.poses_at(found.x + step))
+        if not moved.stack.possible:
+            break
+        found = moved
+    return found
+
+
+def halves(problem: Problem) -> tuple[Problem, Problem] | None:
+    """Fit every second view and the others; None for fewer than six views."""
+    n = problem.data.n_views
+    if n < 6:
+        return None
+    return refitted(problem, np.arange(0, n, 2)), refitted(problem, np.arange(1, n, 2))
+
+
+def jackknife(lenses: Array) -> Array:
+    """Covariance of a lens's coordinates by the jackknife over views, ``(d, d)``."""
+    n = len(lenses)
+    gap = lenses - lenses.mean(axis=0)
+    return np.asarray((n - 1) / n * gap.T @ gap)

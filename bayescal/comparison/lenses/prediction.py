@@ -1,0 +1,164 @@
+r"""How projections of lenses differ, and how sure they are, once the poses' share is taken out.
+
+Two calibrations of one camera place its frame differently: what one calls a turn the other
+absorbs in its lens. So predictions are compared after the turn (and, at a finite range, the
+shift) that brings them together over the observed points; dkogan/mrcal calls it the implied
+transformation. For small differences this is linear: with J the derivative of a pixel by the
+lens at a fixed direction and M that by the turn, a step s of the lens moves the prediction by
+
+    T s = (J - M (M_o^+ J_o)) s,      o the observed points.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import Delaunay, QhullError
+
+from bayescal.arrays import Array
+from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.observations import Observations
+from bayescal.cameras.pose import cross_matrices, rotations
+
+SAMPLE = 400  # observed points that fix the turn
+COLUMNS, ROWS = 25, 19  # of the grid over the image
+TURNS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A lens at work: rays of pixels, and how pixels follow rays and lens.
+
+    Attributes
+    ----------
+    model : LensModel
+    x : Array
+        Coordinates of the lens, ``(dimension,)``; those of bow are passed over.
+    """
+
+    model: LensModel
+    x: Array
+
+    def rays(self, pixels: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Give unit rays ``(n, 3)`` and whether each was found, ``(n,)``."""
+        intrinsics, k, _ = self.model.physical(self.x)
+        found = self.model.lens.undistort((pixels - intrinsics[2:]) / intrinsics[:2], k)
+        return found.rays, found.found
+
+    def pixels(self, points: Array) -> Array:
+        """Pixels of points in the camera's frame, ``(n, 2)``; NaN where not seen."""
+        intrinsics, k, _ = self.model.physical(self.x)
+        with np.errstate(all="ignore"):
+            plane = self.model.lens.distort(points, k)
+            seen = self.model.lens.seen(points, k)
+        return np.where(seen[:, None], intrinsics[2:] + intrinsics[:2] * plane, np.nan)
+
+    def slopes(self, points: Array, *, shift: bool) -> tuple[Array, Array]:
+        """Differentiate by the lens ``(n, 2, d)`` and by turn and shift, ``(n, 2, 3 or 6)``."""
+        intrinsics, k, _ = self.model.physical(self.x)
+        found = self.model.lens.jacobian(points, k)
+        by_point = intrinsics[:2, None] * found.by_ray
+        by_intrinsics = np.zeros((len(points), 2, 4))
+        by_intrinsics[:, [0, 1], [0, 1]] = found.plane
+        by_intrinsics[:, [0, 1], [2, 3]] = 1.0
+        by_k = intrinsics[:2, None] * found.by_coefficient
+        by_lens = self.model.by_coordinate(self.x, by_intrinsics, by_k)
+        rest = self.model.dimension - by_lens.shape[2]
+        by_lens = np.concatenate([by_lens, np.zeros((len(points), 2, rest))], axis=2)
+        by_move = -by_point @ cross_matrices(points)
+        return by_lens, np.concatenate([by_move, by_point], axis=2) if shift else by_move
+
+
+def observed_sample(data: Observations) -> Array:
+    """Take some of the observed pixels, evenly through the views, ``(n, 2)``."""
+    pixels = data.pixels[data.seen]
+    return np.asarray(pixels[:: max(1, math.ceil(len(pixels) / SAMPLE))])
+
+
+def image_grid(size: tuple[float, float], columns: int = COLUMNS, rows: int = ROWS) -> Array:
+    """Pixels over the whole image, its edges included, ``(rows * columns, 2)``."""
+    width, height = size
+    r, c = np.meshgrid(np.linspace(0, width - 1, columns), np.linspace(0, height - 1, rows))
+    return np.column_stack([r.ravel(), c.ravel()])
+
+
+def response(view: View, pixels: Array, sample: Array, depth: float | None) -> Array:
+    """T at pixels, ``(n, 2, d)``; NaN where the lens sees nothing.
+
+    Parameters
+    ----------
+    view : View
+    pixels, sample : Array
+        Where it is wanted, and what the poses hold to, ``(n, 2)`` and ``(m, 2)``.
+    depth : float or None
+        Distance of the points; None for infinity, where no shift is seen.
+    """
+    scale, shift = (1.0, False) if depth is None else (depth, True)
+    rays, found = view.rays(sample)
+    by_lens, by_move = view.slopes(rays[found] * scale, shift=shift)
+    d = by_lens.shape[2]
+    absorbed = np.linalg.lstsq(by_move.reshape(-1, by_move.shape[2]), by_lens.reshape(-1, d))[0]
+    out = np.full((len(pixels), 2, d), np.nan)
+    rays, found = view.rays(pixels)
+    by_lens, by_move = view.slopes(rays[found] * scale, shift=shift)
+    out[found] = by_lens - by_move @ absorbed
+    return out
+
+
+def deviation(maps: Array, covariance: Array) -> Array:
+    """Give the standard deviation at pixels, root mean square of r and c, ``(n,)``, px."""
+    variance = np.einsum("nai,ij,naj->n", maps, covariance, maps)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0) / 2))
+
+
+def difference(one: View, other: View, pixels: Array, sample: Array, depth: float | None) -> Array:
+    """Prediction of the other less that of the one, ``(n, 2)``, px; NaN where one sees nothing.
+
+    Parameters
+    ----------
+    one, other : View
+    pixels, sample : Array
+        Where it is wanted, and what the poses hold to, px.
+    depth : float or None
+        Distance of the points; None for infinity.
+    """
+    scale, shift = (1.0, False) if depth is None else (depth, True)
+    rays, found = one.rays(sample)
+    points, aim = rays[found] * scale, sample[found]
+    turn, move = np.eye(3), np.zeros(3)
+    for _ in range(TURNS):
+        moved = points @ turn.T + move
+        miss = aim - other.pixels(moved)
+        use = np.isfinite(miss).all(axis=1)
+        if use.sum() < 4:
+            return np.full((len(pixels), 2), np.nan)
+        _, slope = other.slopes(moved[use], shift=shift)
+        step = np.linalg.lstsq(slope.reshape(-1, slope.shape[2]), miss[use].ravel())[0]
+        spin = rotations(step[:3])
+        # The turn is about the camera: what was shifted before turns along.
+        turn, move = spin @ turn, spin @ move + (step[3:] if shift else 0.0)
+        if np.abs(step).max() < 1e-10:
+            break
+    rays, found = one.rays(pixels)
+    out = np.full((len(pixels), 2), np.nan)
+    out[found] = other.pixels(rays[found] * scale @ turn.T + move) - pixels[found]
+    return out
+
+
+def largest(differences: Array) -> float | None:
+    """Largest distance, px; None where half the places or more can't be compared."""
+    size = np.hypot(differences[:, 0], differences[:, 1])
+    known = np.isfinite(size)
+    return float(size[known].max()) if len(size) and known.mean() > 0.5 else None
+
+
+def covered(pixels: Array, data: Observations) -> NDArray[np.bool_]:
+    """Whether pixels lie within the hull of the observed points, ``(n,)``."""
+    try:
+        hull = Delaunay(data.pixels[data.seen])
+    except QhullError:
+        return np.zeros(len(pixels), dtype=bool)
+    return np.asarray(hull.find_simplex(pixels) >= 0)

@@ -1,0 +1,151 @@
+"""What the views themselves have against a calibration: too few, too alike, not even."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from bayescal.calibration.laplace import degrees
+from bayescal.comparison.lenses.results import Evidenced
+from bayescal.rounding import counted, significant
+
+USUAL_SIGMA = (0.05, 0.3)  # px: of corner detectors
+FEW_VIEWS = 5
+LOUD = 2.0  # times the usual residuals: a view that stands out
+CELLS = (4, 3)
+SIGNIFICANT, NOTICEABLE = 4.0, 0.05  # standard errors; px
+PARALLEL = 8.0  # degrees that normals of planes should differ by at least
+WIDER = 1.5  # times: where the spread over views is to be quoted
+DRIFT = 2.5
+COVERED = 0.85  # of the radius of the image's corners
+
+
+def few_views(basis: Evidenced) -> str | None:
+    """Too few views to tell noise from lens."""
+    n = len(basis.views)
+    if n >= FEW_VIEWS:
+        return None
+    return f"{counted(n, 'view')} only: what differs from view to view is hardly known; take more"
+
+
+def parallel(basis: Evidenced) -> str | None:
+    """Planes that are all parallel can't tell the focal length from the distance."""
+    if not basis.setting.data.planar or len(basis.views) < 2:
+        return None
+    normals = basis.problem.poses.rotation[:, :, 2]
+    mean = normals.mean(axis=0)
+    angle = math.degrees(math.acos(min(1.0, float((normals @ mean / np.linalg.norm(mean)).min()))))
+    if angle > PARALLEL:
+        return None
+    return (
+        f"the target is nearly parallel in all views (within {angle:.1f} degrees): focal length "
+        "and distance can't be told apart; tilt it"
+    )
+
+
+def loud_views(basis: Evidenced) -> str | None:
+    """Name views whose residuals stand out."""
+    data = basis.setting.data
+    squares = (basis.problem.noise**2).sum(axis=(1, 2))
+    per_view = np.sqrt(squares / data.counts)
+    loud = np.flatnonzero(per_view > LOUD * np.median(per_view))
+    if not len(loud):
+        return None
+    names = ", ".join(
+        f"{basis.views.names[v]} ({per_view[v] / np.median(per_view):.1f} times)" for v in loud[:4]
+    )
+    return f"residuals of some views are far above the usual: {names}; see what is wrong there"
+
+
+def by_place(basis: Evidenced) -> str | None:
+    """Residuals that depend on where in the image they are, the same in most views."""
+    data, residuals = basis.setting.data, basis.problem.noise
+    edges = [np.linspace(0, s, n + 1)[1:-1] for s, n in zip(data.size, CELLS, strict=True)]
+    cell = [np.digitize(data.pixels[..., axis], edges[axis]) for axis in (0, 1)]
+    worst, found = 0.0, 0
+    for column in range(CELLS[0]):
+        for row in range(CELLS[1]):
+            here = (cell[0] == column) & (cell[1] == row) & data.seen
+            counts = here.sum(axis=1)
+            views = counts >= 3
+            if views.sum() < FEW_VIEWS:
+                continue
+            means = (residuals * here[..., None]).sum(axis=1)[views] / counts[views][:, None]
+            mean, error = means.mean(axis=0), means.std(axis=0, ddof=1) / math.sqrt(views.sum())
+            far = (np.abs(mean) > SIGNIFICANT * error) & (np.abs(mean) > NOTICEABLE)
+            found += bool(far.any())
+            worst = max(worst, float(np.abs(mean[far]).max(initial=0.0)))
+    if not found:
+        return None
+    return (
+        f"residuals depend on the place in the image ({found} of {CELLS[0] * CELLS[1]} cells, up "
+        f"to {significant(worst)} px): the lens has a shape that the model lacks"
+    )
+
+
+def drift(basis: Evidenced) -> str | None:
+    """Two halves of the views that disagree."""
+    ratios = [
+        (p.halves / p.infinity, p) for p in basis.places if p.halves is not None and p.infinity
+    ]
+    if not ratios:
+        return None
+    ratio, place = max(ratios, key=lambda pair: pair[0])
+    if ratio < DRIFT or place.halves is None:
+        return None
+    return (
+        f"two halves of the views disagree by {significant(2 * place.halves)} px at the "
+        f"{place.name}, {ratio:.1f} times what the posterior allows: the camera may have moved or "
+        "changed"
+    )
+
+
+def wider(basis: Evidenced) -> str | None:
+    """Find a spread over views clearly larger than the posterior's."""
+    ratios = [
+        p.jackknife / p.infinity for p in basis.places if p.jackknife is not None and p.infinity
+    ]
+    if not ratios or np.median(ratios) < WIDER:
+        return None
+    return (
+        f"the spread over views is {np.median(ratios):.1f} times the posterior's deviation: quote "
+        "the spread (column jackknife)"
+    )
+
+
+def cover(basis: Evidenced) -> str | None:
+    """Corners of the image that no point comes near."""
+    data = basis.setting.data
+    pixels = data.pixels[data.seen]
+    middle = (np.array(data.size) - 1) / 2
+    reach = float(np.hypot(*(pixels - middle).T).max()) / (math.hypot(*data.size) / 2)
+    try:
+        area = float(ConvexHull(pixels).volume) / (data.size[0] * data.size[1])
+    except QhullError:
+        area = 0.0
+    if reach >= COVERED and area >= 0.6:
+        return None
+    return (
+        f"points cover {100 * area:.0f} % of the image and reach {100 * reach:.0f} % of the way to "
+        "its corners: what is said of the corners is extrapolated"
+    )
+
+
+def sigma_unusual(basis: Evidenced) -> str | None:
+    """Noise far from what corner detectors have."""
+    if basis.setting.level.sigma is not None:
+        return None
+    problem = basis.problem
+    sigma = math.sqrt(problem.reduced.sum_of_squares / degrees(problem.data))
+    low, high = USUAL_SIGMA
+    total = basis.lenses[0].rms / math.sqrt(2)
+    if total > high:
+        return (
+            f"residuals of {significant(total)} px are more than a corner detector's usual "
+            f"{low:g} to {high:g} px: look for blur, wrong corners or a lens that none of these is"
+        )
+    if sigma < low / 3:
+        return f"a noise of {significant(sigma)} px is less than detectors have: check the points"
+    return None

@@ -1,0 +1,101 @@
+"""The document of a comparison of lens models over many views."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+from bayescal.comparison.lenses.results import JudgedLens, LensComparison
+from bayescal.report.document.shared import evidence_facts, finite, summary_facts, versions
+
+SCHEMA = "bayescal.lenses/1"
+
+
+def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
+    """Build the result document: JSON values only, null where there is nothing.
+
+    Parameters
+    ----------
+    found : LensComparison
+    command : str
+        How it was asked for, for the provenance.
+    """
+    views, verdict = found.views, found.verdict
+    return {
+        "schema": SCHEMA,
+        "provenance": {**versions(), "command": command, "seed": found.seed},
+        "data": {
+            "source": views.source,
+            "sha256": views.sha256,
+            "n_views": len(views),
+            "n_points": views.n_points,
+            "views": list(views.names),
+            "image": {
+                "width_px": int(found.setting.data.size[0]),
+                "height_px": int(found.setting.data.size[1]),
+            },
+            "target_diagonal": views.diagonal,
+        },
+        "noise": {
+            "kind": "gaussian",
+            "sigma_px": found.setting.level.sigma,
+            "independent": not (found.setting.grid.correlated or found.setting.grid.offsets),
+            "error_models": [
+                {**asdict(error), "length_target_units": error.length * views.diagonal, "weight": w}
+                for error, w in found.errors
+            ],
+        },
+        "lenses": [_lens(judged, found) for judged in found.lenses],
+        "impossible": list(found.impossible),
+        "posterior": {
+            "lens": found.best.key,
+            "converged": found.posterior.converged,
+            "acceptance": found.posterior.chain.acceptance,
+            "parameters": [
+                {"name": p.name, **summary_facts(p)} for p in found.posterior.parameters
+            ],
+            "evidence": evidence_facts(found.posterior),
+        },
+        "projection_sd_px": {
+            "range": found.range,
+            "places": [{**asdict(place), "pixel": list(place.pixel)} for place in found.places],
+        },
+        "verdict": {
+            "best": verdict.best,
+            "plausible": list(verdict.plausible),
+            "status": verdict.status,
+            "difference_inside_px": verdict.worth,
+            "difference_image_px": verdict.beyond,
+            "caveats": list(verdict.caveats),
+            "text": verdict.text,
+        },
+        "notes": list(found.notes),
+    }
+
+
+def _lens(judged: JudgedLens, found: LensComparison) -> dict[str, Any]:
+    estimate, lost = judged.evidence.estimate, judged.left_out
+    values = judged.model.report(judged.fit.x, found.setting.data.diagonal).tolist()
+    return {
+        "name": judged.key,
+        "family": judged.candidate.family,
+        "order": judged.candidate.order,
+        "n_parameters": judged.n_parameters,
+        "rms_px": judged.rms,
+        "chi2": judged.chi2,
+        "aic": judged.aic,
+        "bic": judged.bic,
+        "least_squares": dict(zip(judged.model.names, values, strict=True)),
+        "log_evidence": judged.evidence.log_evidence,
+        "log_evidence_error": judged.evidence.error,
+        "effective_fraction": estimate.effective_fraction,
+        "pareto_k": finite(estimate.pareto_k),
+        "evidence_warnings": list(estimate.warnings),
+        "error_models_tried": judged.evidence.errors.tried,
+        "probability": judged.probability,
+        "elpd_views": None if lost is None else lost.elpd,
+        "elpd_views_se": None if lost is None else lost.se,
+        "elpd_of_views": None if lost is None else lost.log_density.tolist(),
+        "difference_inside_px": judged.inside,
+        "difference_image_px": judged.difference,
+    }
