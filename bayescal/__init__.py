@@ -43,6 +43,8 @@ _EXPORTS = {
     "least_squares": "bayescal.api.polynomials",
     "open_run": "bayescal.report.runs",
     "opencv_camera": "bayescal.report.opencv",
+    "FittedCamera": "bayescal.report.cameras.camera",
+    "save_camera": "bayescal.report.cameras.write",
     "save_opencv": "bayescal.report.opencv",
     "save_report": "bayescal.report.page.page",
     "save_run": "bayescal.report.runs",
@@ -55,6 +57,7 @@ _EXPORTS = {
 __all__ = [
     "BayescalError",
     "Correspondences",
+    "FittedCamera",
     "InputError",
     "Setup",
     "Views",
@@ -77,6 +80,7 @@ __all__ = [
     "plot",
     "reproduce",
     "save",
+    "save_camera",
     "save_opencv",
     "save_report",
     "save_run",
@@ -100,6 +104,8 @@ if TYPE_CHECKING:
     from bayescal.points.view_writer import save_views
     from bayescal.points.views import Views
     from bayescal.points.writer import save
+    from bayescal.report.cameras.camera import FittedCamera
+    from bayescal.report.cameras.write import save_camera
     from bayescal.report.figures.registry import plot
     from bayescal.report.opencv import opencv_camera, save_opencv
     from bayescal.report.page.page import save_report

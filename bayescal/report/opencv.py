@@ -25,6 +25,7 @@ from bayescal.density.pinhole import PinholeModel
 from bayescal.errors import InputError
 from bayescal.files import write_whole
 from bayescal.points.setup import Setup
+from bayescal.report.cameras.opencv_storage import HEADER, list_lines, matrix_lines
 
 LARGEST_ORDER = 3  # k1, k2, k3
 NEGATED = "y negated: (x, -y, z), since rows are counted from the top here"
@@ -67,7 +68,7 @@ class OpenCVCamera:
 
     def __str__(self) -> str:
         """Text for ``cv2.FileStorage``, YAML."""
-        lines = ["%YAML:1.0", "---"]
+        lines = list(HEADER)
         lines += [
             f"{name}: {round(value)}"
             for name, value in zip(("image_width", "image_height"), self.size, strict=True)
@@ -83,13 +84,8 @@ class OpenCVCamera:
             ("standard_deviations", np.sqrt(np.diag(self.covariance))[:, None]),
             ("covariance", self.covariance),
         ):
-            rows, columns = array.shape
-            numbers = ", ".join(repr(v) for v in array.ravel().tolist())
-            lines += [f"{name}: !!opencv-matrix", f"   rows: {rows}", f"   cols: {columns}"]
-            lines += ["   dt: d", f"   data: [ {numbers} ]"]
-        lines.append("parameters:")
-        lines += [f"   - {name}" for name in self.names]
-        return "\n".join(lines) + "\n"
+            lines += matrix_lines(name, array)
+        return "\n".join([*lines, *list_lines("parameters", self.names)]) + "\n"
 
 
 def check_opencv(family: str, order: int, radial: str) -> None:
