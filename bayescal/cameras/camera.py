@@ -20,6 +20,28 @@ from bayescal.cameras.pose import rotations
 
 
 @dataclass(frozen=True, eq=False)
+class PixelSlopes:
+    """Pixels of rays and their derivatives.
+
+    Attributes
+    ----------
+    pixels : Array
+        r, c, ``(..., n, 2)``, px.
+    by_intrinsics : Array
+        By fx, fy, cx, cy, ``(..., n, 2, 4)``.
+    by_coefficients : Array
+        By the lens's coefficients, ``(..., n, 2, K)``.
+    by_ray : Array
+        By x, y, z of the ray, ``(..., n, 2, 3)``.
+    """
+
+    pixels: Array
+    by_intrinsics: Array
+    by_coefficients: Array
+    by_ray: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Projection:
     """Pixels and their derivatives.
 
@@ -63,6 +85,17 @@ class Camera:
         plane = self.lens.distort(rays, k)
         return np.asarray(intrinsics[..., None, 2:] + intrinsics[..., None, :2] * plane)
 
+    def jacobian(self, intrinsics: Array, k: Array, rays: Array) -> PixelSlopes:
+        """Pixels of rays in the camera's frame, with their derivatives."""
+        found = self.lens.jacobian(rays, k)
+        focal = intrinsics[..., None, :2]
+        pixels = np.asarray(intrinsics[..., None, 2:] + focal * found.plane)
+        by_intrinsics = np.zeros((*pixels.shape, 4))
+        by_intrinsics[..., [0, 1], [0, 1]] = found.plane
+        by_intrinsics[..., [0, 1], [2, 3]] = 1
+        by_coefficients = found.by_coefficient * focal[..., None]
+        return PixelSlopes(pixels, by_intrinsics, by_coefficients, found.by_ray * focal[..., None])
+
     def rays(self, intrinsics: Array, k: Array, pixels: Array) -> Undistorted:
         """Rays in the camera's frame that are seen at pixels, ``(..., n, 2)``."""
         plane = (pixels - intrinsics[..., None, 2:]) / intrinsics[..., None, :2]
@@ -82,22 +115,17 @@ class Camera:
         matrix = rotations(rotation)
         arms = world @ np.swapaxes(matrix, -1, -2)  # R X
         rays = arms + translation[..., None, :]
-        found = self.lens.jacobian(rays, k)
-        focal = intrinsics[..., None, :2]
-        by_ray = found.by_ray * focal[..., None]
-        by_pose = np.empty((*by_ray.shape[:-1], 6))
+        found = self.jacobian(intrinsics, k, rays)
+        by_pose = np.empty((*found.by_ray.shape[:-1], 6))
         # A row g of by_ray turns into g (-[R X]x) = (R X) x g.
-        by_pose[..., :3] = np.cross(arms[..., None, :], by_ray)
-        by_pose[..., 3:] = by_ray
-        by_intrinsics = np.zeros((*by_ray.shape[:-1], 4))
-        by_intrinsics[..., [0, 1], [0, 1]] = found.plane
-        by_intrinsics[..., [0, 1], [2, 3]] = 1
+        by_pose[..., :3] = np.cross(arms[..., None, :], found.by_ray)
+        by_pose[..., 3:] = found.by_ray
         return Projection(
-            np.asarray(intrinsics[..., None, 2:] + focal * found.plane),
-            by_intrinsics,
-            found.by_coefficient * focal[..., None],
+            found.pixels,
+            found.by_intrinsics,
+            found.by_coefficients,
             by_pose,
-            by_ray @ matrix[..., None, :, :],
+            found.by_ray @ matrix[..., None, :, :],
             self.lens.seen(rays, k),
         )
 

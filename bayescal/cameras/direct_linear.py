@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import rq
-from scipy.spatial.transform import Rotation
 
 from bayescal.arrays import Array, frozen
 
@@ -90,11 +89,6 @@ def direct_linear(world: Array, pixels: Array) -> LinearCamera | None:
         frozen(position.tolist()),
         mirrored,
     )
-
-
-def rotation_vector(matrix: Array) -> Array:
-    """Rotation vector of a rotation matrix, ``(3,)``, rad."""
-    return np.asarray(Rotation.from_matrix(matrix).as_rotvec(), dtype=np.float64)
 
 
 def _normaliser(points: Array) -> Array:

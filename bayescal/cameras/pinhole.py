@@ -1,14 +1,15 @@
-r"""The pinhole camera as a function of its parameters, for many draws at once.
+r"""The pinhole camera of one view as a function of its parameters, for many draws at once.
 
-The steps are those of `bayescal.cameras.geometry` and `bayescal.cameras.distortion` (thesis
-eq. 1, 3-9, 16-22): p_c = R (p_w - C), x = x_c / z_c, y = y_c / z_c, radial distortion, and
+World points in the camera's frame are p_c = R (p_w - C); the radial lens and the focal lengths of
+a `bayescal.cameras.camera.Camera` take them to pixels. With w^2 = (x_c^2 + y_c^2) / z_c^2
 
-    r = u0 + f_r x g,    c = v0 + f_c y g,    g = 1 + sum_j (d_j / D) rho^(p_j),
+    r = u0 + f_r (x_c / z_c) g,    c = v0 + f_c (y_c / z_c) g,    g = 1 + sum_j k_j w^(p_j),
 
-with rho = f sqrt(x^2 + y^2) / D, f = sqrt(f_r f_c) and D half the image's diagonal, px: d_j
-is the displacement in px that term j causes at the image's corner, and
-k_j = (d_j / D) (f / D)^(p_j) the usual coefficient. The powers p_j are 2, 4, 6, ...
-("even") or 1, 2, 3, ... ("all", as the thesis writes them).
+k_j = (d_j / D) (f / D)^(p_j), f = sqrt(f_r f_c) and D half the image's diagonal, px: d_j is the
+displacement in px that term j causes at the image's corner. The powers p_j are 2, 4, 6, ...
+("even") or 1, 2, 3, ... ("all", as the thesis writes them). The frame is the points file's, x
+right and y the way c grows; a radial lens is the same in it and in its mirror image
+(`bayescal.cameras.frames`).
 
 Coordinates theta, in this order: ln f_r, ln f_c; u0, v0 (px); the rotation vector of R
 about the stated orientation (rad); the *anchor*, which stands for the camera's position:
@@ -22,12 +23,16 @@ better than the data do they hold C itself, from an origin, in its place; `full`
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array
+from bayescal.cameras.camera import Camera
+from bayescal.cameras.lenses import lens_named
+from bayescal.cameras.pose import cross_matrices, left_jacobian, rotations
 
 Radial: TypeAlias = Literal["even", "all"]
 POSE = 10  # coordinates before the distortion
@@ -91,15 +96,21 @@ class PinholeGeometry:
             return theta
         return np.delete(theta, np.arange(ANCHOR.start, ANCHOR.stop), axis=1)
 
-    @property
+    @cached_property
     def centroid(self) -> Array:
         """Mean of the world points, ``(3,)``."""
         return np.asarray(self.world.mean(axis=0))
 
-    @property
+    @cached_property
+    def camera(self) -> Camera:
+        """The lens."""
+        step = 2 if self.radial == "even" else 1
+        return Camera(lens_named("radial", order=self.order, tangential=False, step=step))
+
+    @cached_property
     def powers(self) -> NDArray[np.intp]:
-        """Power of the radius in each term, ``(order,)``."""
-        return np.arange(1, self.order + 1) * (2 if self.radial == "even" else 1)
+        """Power of the radius in each term of g, ``(order,)``."""
+        return np.array(self.camera.lens.powers, dtype=np.intp) - 1
 
     def rotation(self, theta: Array) -> Array:
         """R of each draw, ``(n_draws, 3, 3)``."""
@@ -157,27 +168,16 @@ class PinholeGeometry:
         depth : Array
             z_c, ``(n_draws, n_points)``, world units; not positive behind the camera.
         """
-        turned = self.rotation(theta) @ (self.world - self.centroid).T
-        points = turned + self.anchor(theta)[:, :, None]
-        depth = points[:, 2]
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            image = points[:, :2] / depth[:, None, :]
-            focal = np.exp(theta[:, :2])
-            offset = focal[:, :, None] * image * self._gain(theta, image)[:, None, :]
-            return theta[:, 2:4, None] + offset, depth
+        points = self.rotation(theta) @ (self.world - self.centroid).T
+        points = points + self.anchor(theta)[:, :, None]
+        with np.errstate(over="ignore"):
+            k, rays = self.coefficients(theta), np.swapaxes(points, 1, 2)
+            pixels = self.camera.pixels(self._intrinsics(theta), k, rays)
+        return np.swapaxes(pixels, 1, 2), points[:, 2]
 
-    def _gain(self, theta: Array, image: Array) -> Array:
-        """Gain g at each point, ``(n_draws, n_points)``."""
-        gain = np.ones(image[:, 0].shape, dtype=image.dtype)
-        if not self.order:
-            return gain
-        scale = np.exp(theta[:, 0] + theta[:, 1]) / self.half_diagonal**2
-        square = (image[:, 0] ** 2 + image[:, 1] ** 2) * scale[:, None]
-        base = square if self.radial == "even" else np.sqrt(square)
-        total = np.zeros_like(gain)
-        for j in reversed(range(self.order)):  # Horner
-            total = (total + theta[:, POSE + j, None] / self.half_diagonal) * base
-        return gain + total
+    def _intrinsics(self, theta: Array) -> Array:
+        """Focal lengths and principal point, ``(n_draws, 4)``, px."""
+        return np.concatenate([np.exp(theta[:, :2]), theta[:, 2:4]], axis=1)
 
     def coefficients(self, theta: Array) -> Array:
         """k_j of 1 + sum k_j w^p_j, w the radius on the image plane, ``(n_draws, order)``."""
@@ -186,30 +186,38 @@ class PinholeGeometry:
         return np.asarray(theta[:, POSE:] / self.half_diagonal * ratio**self.powers)
 
     def jacobian(self, free: Array) -> Array:
-        """Slopes d pixels / d free at one draw ``(dimension,)``, ``(2, n_points, dimension)``.
+        """Slopes d pixels / d free at one draw ``(dimension,)``, ``(2, n_points, dimension)``."""
+        return self.project_with_jacobian(free)[1]
 
-        By complex step, exact to rounding: the imaginary part of f(x + ih) is h f'(x)
-        (Squire & Trapp 1998, SIAM Rev. 40, 110).
-        """
-        step = 1e-30
-        moved = free + step * 1j * np.eye(self.dimension)
-        pixels, _ = self.project(self.full(moved))
-        return np.asarray(np.moveaxis(pixels.imag / step, 0, 2))
+    def project_with_jacobian(self, free: Array) -> tuple[Array, Array]:
+        """Pixels at one draw, ``(2, n_points)``, and their `jacobian`."""
+        theta = self.full(free[None])
+        intrinsics, k = self._intrinsics(theta)[0], self.coefficients(theta)[0]
+        rays, slopes = self._rays(theta)
+        found = self.camera.jacobian(intrinsics, k, rays)
+        out = found.by_ray @ slopes
+        out[..., :2] += found.by_intrinsics[..., :2] * intrinsics[:2]  # of their logarithms
+        out[..., 2:4] += found.by_intrinsics[..., 2:]
+        # k_j = d_j / D (f / D)^p_j holds the focal lengths, too.
+        out[..., :2] += (found.by_coefficients @ (k * self.powers / 2))[..., None]
+        scale = np.exp(self.powers * (theta[0, :2].mean() - np.log(self.half_diagonal)))
+        out[..., self.dimension - self.order :] = found.by_coefficients * scale / self.half_diagonal
+        return found.pixels.T, np.swapaxes(out, 0, 1)
 
-
-def rotations(vectors: Array) -> Array:
-    """Rotation matrices of rotation vectors, ``(n, 3, 3)`` from ``(n, 3)`` (Rodrigues).
-
-    `bayescal.cameras.geometry.rotation_matrix` does one; this does many, complex ones too.
-    """
-    square = (vectors**2).sum(axis=1)
-    angle = np.sqrt(square)
-    some = np.where(square == 0, 1, angle)
-    first = np.where(square == 0, 1, np.sin(angle) / some)  # sin(a) / a
-    half = np.where(square == 0, 1, np.sin(angle / 2) / (some / 2))
-    x, y, z = vectors.T
-    zero = np.zeros_like(x)
-    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
-    second = (half**2 / 2)[:, None, None]  # (1 - cos(a)) / a^2
-    rotated = np.eye(3) + first[:, None, None] * cross + second * (cross @ cross)
-    return np.asarray(rotated)
+    def _rays(self, theta: Array) -> tuple[Array, Array]:
+        """Points in the camera's frame, ``(n_points, 3)``, and their slopes by the free ones."""
+        turn, shift = self.rotation(theta)[0], self.anchor(theta)[0]
+        anchored = self.fixed is None and self.origin is None
+        pivot = self.centroid if anchored else self.position(theta)[0]
+        arms = (self.world - pivot) @ turn.T
+        slopes = np.zeros((*arms.shape, self.dimension))
+        slopes[..., 4:7] = -cross_matrices(arms) @ left_jacobian(theta[0, 4:7])
+        if self.origin is not None:
+            slopes[..., ANCHOR] = -turn
+        if not anchored:
+            return arms, slopes
+        x, y, z = shift
+        across, up = z / np.exp(theta[0, :2])  # world units a pixel at the centroid
+        slopes[..., :4] = [[0, 0, -across, 0], [y, -y, 0, -up], [z, 0, 0, 0]]
+        slopes[..., ANCHOR] = [[across, 0, -x], [0, up, -y], [0, 0, -z]]
+        return arms + shift, slopes

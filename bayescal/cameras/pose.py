@@ -42,7 +42,7 @@ def rotation_vectors(matrices: Array) -> Array:
 def cross_matrices(vectors: Array) -> Array:
     """Matrices [v]x of vectors, ``(..., 3, 3)`` from ``(..., 3)``: [v]x p = v x p."""
     out = np.zeros((*vectors.shape, 3), dtype=vectors.dtype)
-    x, y, z = np.moveaxis(vectors, -1, 0)
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     out[..., 2, 1], out[..., 0, 2], out[..., 1, 0] = x, y, z
     out[..., 1, 2], out[..., 2, 0], out[..., 0, 1] = -x, -y, -z
     return out

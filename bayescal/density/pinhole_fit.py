@@ -13,8 +13,9 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from bayescal.arrays import Array, frozen
-from bayescal.cameras.direct_linear import FLAT, direct_linear, flatness, rotation_vector
+from bayescal.cameras.direct_linear import FLAT, direct_linear, flatness
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
+from bayescal.cameras.pose import rotation_vectors
 from bayescal.errors import InputError
 from bayescal.noise.level import NoiseLevel
 from bayescal.points.correspondences import Correspondences
@@ -175,7 +176,7 @@ def _starts(geometry: PinholeGeometry, prior: PinholePrior, data: JointData) -> 
     if camera is not None and not camera.mirrored:
         theta = np.zeros((1, POSE + geometry.order))
         theta[0, :2], theta[0, 2:4] = np.log(camera.focal), camera.centre
-        theta[0, 4:7] = rotation_vector(camera.rotation @ geometry.orientation.T)
+        theta[0, 4:7] = rotation_vectors(camera.rotation @ geometry.orientation.T)
         position = camera.position if geometry.fixed is None else geometry.fixed
         out.append(geometry.to_anchor(theta, position))
     theta = np.zeros((1, POSE + geometry.order))

@@ -1,7 +1,7 @@
 r"""Laplace approximation of a pinhole's posterior at a given strength of the distortion.
 
-Gauss-Newton with the Jacobian by complex step; the normal priors are further residuals. With
-sigma integrated out the likelihood is rss^(-n/2), whose slope is that of a normal one with
+Gauss-Newton; the normal priors are further residuals, their slopes by complex step. With sigma
+integrated out the likelihood is rss^(-n/2), whose slope is that of a normal one with
 sigma^2 = rss / n: each step takes sigma from the residuals, within the bounds of its prior,
 below which residuals without noise would make the normal far narrower than the posterior.
 """
@@ -96,9 +96,8 @@ def likely_start(
 
 def linear_pixels(geometry: PinholeGeometry, data: JointData, frame: Normal) -> LinearPixels:
     """Linearise pixels at a frame, in whitened coordinates: their posterior is standard normal."""
-    pixels, _ = geometry.project(geometry.full(frame.mean[None]))
-    residuals = data.pixels - pixels[0]
-    slopes = geometry.jacobian(frame.mean) @ frame.root
+    pixels, slopes = geometry.project_with_jacobian(frame.mean)
+    residuals, slopes = data.pixels - pixels, slopes @ frame.root
     d = slopes.shape[2]
     flat = LinearPixels(
         residuals, slopes, np.zeros(d), np.zeros((d, d)), data.deviations, data.levels
@@ -123,14 +122,13 @@ def _state(
     geometry: PinholeGeometry, prior: PinholePrior, data: JointData, free: Array, tau: float
 ) -> tuple[float, Array, Array]:
     """Log posterior (but for constants), its slope and Gauss-Newton's precision."""
-    moved = np.concatenate([free[None], free + STEP * 1j * np.eye(len(free))])
-    theta = geometry.full(moved)
-    pixels, _ = geometry.project(theta)
-    residual = (data.pixels - pixels[0].real) / data.deviations
+    theta = geometry.full(np.concatenate([free[None], free + STEP * 1j * np.eye(len(free))]))
+    pixels, slopes = geometry.project_with_jacobian(free)
+    residual = (data.pixels - pixels) / data.deviations
     rss = (residual**2).sum(axis=1)
     sigma = data.bounded_sigma(rss)[:, None]
     weight = 1 / (sigma * data.deviations)
-    jacobian = (pixels[1:].imag / STEP * weight).reshape(len(free), -1)
+    jacobian = np.moveaxis(slopes * weight[..., None], 2, 0).reshape(len(free), -1)
     z, tilt = _prior_residuals(geometry, prior, theta, tau)
     prior_jacobian = z[1:].imag / STEP
     misfit = (residual / sigma).ravel()

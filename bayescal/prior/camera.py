@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array, frozen
-from bayescal.cameras.pinhole import POSE, PinholeGeometry, rotations
+from bayescal.cameras.pinhole import POSE, PinholeGeometry
+from bayescal.cameras.pose import rotations
 from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES

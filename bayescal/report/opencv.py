@@ -1,12 +1,7 @@
-r"""A fitted pinhole as OpenCV's camera: matrix, distortion and pose, with their covariance.
+"""A fitted pinhole as OpenCV's camera: matrix, distortion and pose, with their covariance.
 
-OpenCV's frames are right-handed with y down. Where c is counted from the image's bottom the
-camera's frame here has y up, and the world with it: the export counts rows from the top again,
-v = height - c, and takes world points with y negated. With M = diag(1, -1, 1) there,
-
-    R' = M R M,    t = -M R C,    c_y = height - v0,
-
-and M = 1, c_y = v0 elsewhere. Focal lengths and radial coefficients are the same.
+Where c is counted from the image's bottom the export counts rows from the top again, and takes
+world points with y negated (`bayescal.cameras.frames`).
 """
 
 from __future__ import annotations
@@ -15,10 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from bayescal.arrays import Array, frozen
+from bayescal.cameras.frames import Frame
 from bayescal.cameras.pinhole import ANCHOR, POSE
+from bayescal.cameras.pose import rotation_vectors
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.key import PINHOLE
 from bayescal.density.pinhole import PinholeModel
@@ -168,14 +164,9 @@ def _parameters(model: PinholeModel, theta: Array, setup: Setup) -> Array:
     """fx, fy, cx, cy, rvec, tvec and k of draws, ``(n_draws, 10 + order)``."""
     geometry = model.geometry
     rotation, position = geometry.rotation(theta), geometry.position(theta)
-    flip = np.array([1.0, -1.0, 1.0]) if setup.c_from_bottom else np.ones(3)
-    turned = flip[:, None] * rotation * flip
-    translation = -flip * np.einsum("mij,mj->mi", rotation, position)
-    centre = theta[:, 2:4].copy()
-    if setup.c_from_bottom:
-        assert setup.height is not None, "the setup refuses a flip without it"
-        centre[:, 1] = setup.height - centre[:, 1]
-    vector = Rotation.from_matrix(turned).as_rotvec()
+    frame = Frame.of(setup)
+    turned, translation = frame.pose(rotation, position)
+    centre, vector = frame.pixels(theta[:, 2:4]), rotation_vectors(turned)
     focal, k = np.exp(theta[:, :2]), geometry.coefficients(theta)
     return np.concatenate([focal, centre, vector, translation, k], axis=1)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 import bayescal as bc
-from bayescal.cameras import distortion, geometry
 from bayescal.cameras.pinhole import PinholeGeometry
 from bayescal.density.pinhole_fit import JointData
 from bayescal.noise.level import NoiseLevel
@@ -13,15 +12,15 @@ from bayescal.points.camera import StatedCamera
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import Setup
 from bayescal.prior.camera import pinhole_prior
+from tests.helpers.chapter_three import distort, project, rotation_matrix, world_to_camera
 
 INFERRED = (NoiseLevel.inferred(), NoiseLevel.inferred())
 
 
 def pixels(world, focal, centre, rotation, position, k=(), radial="even"):
     """Pixels of a pinhole, by the steps of the thesis's chapter 3 one after another."""
-    translation = -geometry.rotation_matrix(rotation) @ np.asarray(position, dtype=float)
-    image = geometry.project(geometry.world_to_camera(world, rotation, translation))
-    image = distortion.distort(image, k, radial)
+    translation = -rotation_matrix(rotation) @ np.asarray(position, dtype=float)
+    image = distort(project(world_to_camera(world, rotation, translation)), k, radial)
     return np.asarray(centre) + np.asarray(focal) * image
 
 

@@ -107,4 +107,5 @@ class Lens(Protocol):
 
 def columns(*parts: Array) -> Array:
     """Join arrays ``(..., n)`` along a new last axis; each stays contiguous in memory."""
-    return np.moveaxis(np.stack(parts), 0, -1)
+    joined = np.array(parts)
+    return joined.transpose(*range(1, joined.ndim), 0)

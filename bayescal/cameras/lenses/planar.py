@@ -13,6 +13,7 @@ front of the camera are seen, as far out as w g grows and before its pole.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +21,8 @@ from numpy.typing import NDArray
 from bayescal.arrays import Array
 from bayescal.cameras.lenses.inverse import invert
 from bayescal.cameras.lenses.lens import RESIDUAL, Derivatives, Undistorted, columns
-from bayescal.cameras.lenses.polynomial import (
-    first_root,
-    horner,
-    horner_slope,
-    product,
-    with_one,
-)
+from bayescal.cameras.lenses.polynomial import first_root, horner, horner_slope, product, with_one
+from bayescal.cameras.lenses.terms import prism_terms, radial_terms, tangential_terms
 
 _MOST_STEPS, _MOST_HALVINGS = 40, 12
 
@@ -53,7 +49,7 @@ class Planar:
     prism: bool = False
     step: int = 2
 
-    @property
+    @cached_property
     def _kinds(self) -> tuple[tuple[str, str, int], ...]:
         """Name, group and power of each coefficient, in OpenCV's order."""
         total = self.numerator + self.denominator
@@ -68,7 +64,7 @@ class Planar:
         before = min(2, self.numerator)
         return (*radial[:before], *tangential, *radial[before:], *prism)
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Of the coefficients."""
         return tuple(kind[0] for kind in self._kinds)
@@ -78,7 +74,7 @@ class Planar:
         """Of each coefficient."""
         return tuple(kind[1] for kind in self._kinds)
 
-    @property
+    @cached_property
     def powers(self) -> tuple[int, ...]:
         """Power of the radius with which each displacement grows."""
         return tuple(kind[2] for kind in self._kinds)
@@ -93,12 +89,15 @@ class Planar:
         """None."""
         return ((-np.inf, np.inf),) * len(self._kinds)
 
-    def _at(self, group: str) -> list[int]:
-        return [j for j, kind in enumerate(self._kinds) if kind[1] == group]
+    @cached_property
+    def _at(self) -> dict[str, list[int]]:
+        """Places of each group's coefficients."""
+        groups = ("radial", "tangential", "thin-prism")
+        return {g: [j for j, kind in enumerate(self._kinds) if kind[1] == g] for g in groups}
 
     def _radial(self, k: Array) -> tuple[Array, Array]:
         """Coefficients above and below the line, ``(..., numerator)``, ``(..., denominator)``."""
-        radial = k[..., self._at("radial")]
+        radial = k[..., self._at["radial"]]
         return radial[..., : self.numerator], radial[..., self.numerator :]
 
     def distort(self, rays: Array, k: Array) -> Array:
@@ -113,12 +112,12 @@ class Planar:
                 gain = gain / horner(below, t)
             u, v = a * gain, b * gain
             if self.tangential:
-                p1, p2 = _each(k, self._at("tangential"))
+                p1, p2 = _each(k, self._at["tangential"])
                 cross = 2 * a * b
                 u = u + p1 * cross + p2 * (square + 2 * a**2)
                 v = v + p1 * (square + 2 * b**2) + p2 * cross
             if self.prism:
-                s1, s2, s3, s4 = _each(k, self._at("thin-prism"))
+                s1, s2, s3, s4 = _each(k, self._at["thin-prism"])
                 u, v = u + square * (s1 + s2 * square), v + square * (s3 + s4 * square)
             return columns(u, v)
 
@@ -135,29 +134,36 @@ class Planar:
 
     def _plane_jacobian(self, a: Array, b: Array, k: Array) -> tuple[Array, Array, Array]:
         """Plane coordinates, derivatives by a and b, ``(..., n, 2, 2)``, and by coefficients."""
-        parts = {"radial": _radial_terms(a, b, *self._radial(k), self.step)}
+        parts = {"radial": radial_terms(a, b, *self._radial(k), self.step)}
         if self.tangential:
-            parts["tangential"] = _tangential_terms(a, b, *_each(k, self._at("tangential")))
+            parts["tangential"] = tangential_terms(a, b, *_each(k, self._at["tangential"]))
         if self.prism:
-            parts["thin-prism"] = _prism_terms(a, b, *_each(k, self._at("thin-prism")))
+            parts["thin-prism"] = prism_terms(a, b, *_each(k, self._at["thin-prism"]))
         shape = np.broadcast_shapes(a.shape, (*k.shape[:-1], 1))
         by_plane, by_k = np.empty((*shape, 2, 2)), np.empty((*shape, 2, k.shape[-1]))
         for i in (0, 1):
             for j in (0, 1):
                 by_plane[..., i, j] = sum(part.by_plane[i][j] for part in parts.values())
         for group, part in parts.items():
-            for column, (by_u, by_v) in zip(self._at(group), part.by_coefficient, strict=True):
+            for column, (by_u, by_v) in zip(self._at[group], part.by_coefficient, strict=True):
                 by_k[..., 0, column], by_k[..., 1, column] = by_u, by_v
         u, v = (np.asarray(sum(part.plane[i] for part in parts.values())) for i in (0, 1))
         return columns(u, v), by_plane, by_k
 
-    def _edge(self, k: Array) -> Array:
-        """Radius w of the undistorted plane up to which w g grows, ``(...)``; inf if always."""
+    def _bars(self, k: Array) -> tuple[Array, Array]:
+        """Polynomials in t, without their constant 1, whose first root ends the inverse.
+
+        The numerator of the slope of w g, (N + w N') D - N w D', and D itself.
+        """
         above, below = (with_one(part) for part in self._radial(k))
         degrees = [self.step * np.arange(part.shape[-1]) for part in (above, below)]
-        # The slope's numerator: (N + w N') D - N w D', in t.
-        slope = product(above * (1 + degrees[0]), below) - product(above, below * degrees[1])
-        first = np.minimum(first_root(slope[..., 1:]), first_root(below[..., 1:]))
+        with np.errstate(invalid="ignore", over="ignore"):
+            slope = product(above * (1 + degrees[0]), below) - product(above, below * degrees[1])
+        return slope[..., 1:], below[..., 1:]
+
+    def _edge(self, k: Array) -> Array:
+        """Radius w of the undistorted plane up to which w g grows, ``(...)``; inf if always."""
+        first = np.minimum(*(first_root(bar) for bar in self._bars(k)))
         return np.asarray(first ** (1 / self.step))
 
     def limit(self, k: Array) -> Array:
@@ -167,10 +173,20 @@ class Planar:
     def seen(self, rays: Array, k: Array) -> NDArray[np.bool_]:
         """Whether rays are in front of the camera and inside `limit`, ``(..., n)``."""
         depth = rays[..., 2]
-        inside = np.hypot(rays[..., 0], rays[..., 1]) < self._edge(k)[..., None] * np.where(
-            depth > 0, depth, 1
-        )
-        return np.asarray(inside & (depth > 0))
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            radius = np.where(depth > 0, np.hypot(rays[..., 0], rays[..., 1]) / depth, np.inf)
+        shape = np.broadcast_shapes(radius.shape[:-1], k.shape[:-1])
+        k = np.broadcast_to(k, (*shape, k.shape[-1]))
+        # Most cameras fold far outside: the terms that lower a bar sum to less than 1.
+        farthest = np.where(np.isfinite(radius), radius, 0).max(axis=-1, initial=0.0) ** self.step
+        near = np.ones(shape, dtype=bool)
+        for bar in self._bars(k):
+            near &= (
+                horner(np.minimum(bar, 0), np.broadcast_to(farthest, shape)[..., None])[..., 0] > 0
+            )
+        edge = np.full(shape, np.inf)
+        edge[~near] = self._edge(k[~near])
+        return np.asarray(radius < edge[..., None])
 
     def undistort(self, plane: Array, k: Array) -> Undistorted:
         """Rays of plane coordinates: the radial part in a bracket, the rest by Newton's method."""
@@ -228,52 +244,6 @@ class Planar:
             a, b = a - share * step_a, b - share * step_b
             at, slopes, _ = self._plane_jacobian(a, b, k)
         return a, b
-
-
-@dataclass(frozen=True, eq=False)
-class _Terms:
-    """What one group of coefficients adds: u and v, and their derivatives, each ``(..., n)``."""
-
-    plane: tuple[Array, Array]
-    by_plane: tuple[tuple[Array, Array], tuple[Array, Array]]  # u by a, b; v by a, b
-    by_coefficient: list[tuple[Array, Array]]  # of each: u, v
-
-
-def _radial_terms(a: Array, b: Array, above: Array, below: Array, step: int) -> _Terms:
-    """Make a g and b g, with k1, k2, ... above the line and then those below."""
-    square = a**2 + b**2
-    t = square if step == 2 else np.sqrt(square)
-    over = 1 / horner(below, t)
-    gain = horner(above, t) * over
-    rise = (horner_slope(above, t) - gain * horner_slope(below, t)) * over  # dg/dt
-    # dg/da is a times this.
-    bend = 2 * rise if step == 2 else np.where(t == 0, 0, rise / np.where(t == 0, 1, t))
-    powers, power = [], over
-    for _ in range(max(above.shape[-1], below.shape[-1])):
-        power = power * t
-        powers.append(power)
-    slopes = [(a * power, b * power) for power in powers[: above.shape[-1]]]
-    slopes += [(-a * gain * power, -b * gain * power) for power in powers[: below.shape[-1]]]
-    cross = a * b * bend
-    by_plane = ((gain + a**2 * bend, cross), (cross, gain + b**2 * bend))
-    return _Terms((a * gain, b * gain), by_plane, slopes)
-
-
-def _tangential_terms(a: Array, b: Array, p1: Array, p2: Array) -> _Terms:
-    cross, wide, tall = 2 * a * b, 3 * a**2 + b**2, a**2 + 3 * b**2
-    lean = 2 * (p1 * a + p2 * b)
-    by_plane = ((2 * p1 * b + 6 * p2 * a, lean), (lean, 6 * p1 * b + 2 * p2 * a))
-    plane = (p1 * cross + p2 * wide, p1 * tall + p2 * cross)
-    return _Terms(plane, by_plane, [(cross, tall), (wide, cross)])
-
-
-def _prism_terms(a: Array, b: Array, s1: Array, s2: Array, s3: Array, s4: Array) -> _Terms:
-    square, zero = a**2 + b**2, np.zeros_like(a)
-    steep_u, steep_v = 2 * (s1 + 2 * s2 * square), 2 * (s3 + 2 * s4 * square)
-    by_plane = ((a * steep_u, b * steep_u), (a * steep_v, b * steep_v))
-    plane = (square * (s1 + s2 * square), square * (s3 + s4 * square))
-    slopes = [(square, zero), (square**2, zero), (zero, square), (zero, square**2)]
-    return _Terms(plane, by_plane, slopes)
 
 
 def _each(k: Array, at: list[int]) -> list[Array]:

@@ -6,6 +6,11 @@ import numpy as np
 
 from bayescal.arrays import Array
 
+FARTHEST = 1e-16  # 1/t: what lies beyond is as good as infinitely far
+LARGEST = 1e30
+_EPS = float(np.finfo(np.float64).eps)
+_MOST_HALVINGS = 100  # geometric ones, of a bracket from 1e-16 to 1e100
+
 
 def horner(k: Array, t: Array) -> Array:
     """1 + k_1 t + k_2 t^2 + ..., ``(..., n)`` of ``(..., m)`` and ``(..., n)``."""
@@ -38,20 +43,55 @@ def product(one: Array, other: Array) -> Array:
     return out
 
 
-def first_root(polynomial: Array) -> Array:
-    """Smallest positive root t of 1 + a_1 t + ... + a_d t^d, ``(...)`` of a_1.. ``(..., d)``.
+def first_root(k: Array) -> Array:
+    """Smallest t > 0 at which 1 + k_1 t + ... + k_m t^m is zero or touches it, ``(...)``.
 
-    Infinite where there is none. In 1/t the polynomial is monic, so its companion matrix exists
-    whatever a_d is. A double root comes out as a pair slightly complex, and counts.
+    Infinite where there is none up to 1e16, 0 where a coefficient is nan or above 1e30. In
+    s = 1/t the polynomial is monic, and its largest root is wanted. A double root comes out of the
+    eigenvalues as a pair slightly complex or slightly apart, so they only say where to look: their
+    real parts, and the points between, are gone through downwards for the first value that is
+    negative or zero to rounding.
     """
-    degree = polynomial.shape[-1]
+    degree = k.shape[-1]
     if not degree:
-        return np.full(polynomial.shape[:-1], np.inf)
-    companion = np.zeros((*polynomial.shape[:-1], degree, degree))
-    companion[..., 0, :] = -polynomial
+        return np.full(k.shape[:-1], np.inf)
+    bad = ~(np.abs(k) < LARGEST).all(axis=-1)
+    k = np.where(bad[..., None], 0.0, k)
+    companion = np.zeros((*k.shape, degree))
+    companion[..., 0, :] = -k
     companion[..., np.arange(1, degree), np.arange(degree - 1)] = 1
-    found = np.linalg.eigvals(companion)
-    real = (found.real > 0) & (np.abs(found.imag) <= 1e-7 * np.abs(found.real))
-    largest = np.where(real, found.real, 0).max(axis=-1)
-    with np.errstate(divide="ignore"):
-        return np.asarray(1 / largest)
+    found = np.maximum(np.sort(np.linalg.eigvals(companion).real)[..., ::-1], FARTHEST)
+    last = np.full((*bad.shape, 1), FARTHEST)
+    between = (found + np.append(found[..., 1:], last, axis=-1)) / 2
+    places = np.stack([found, between], axis=-1).reshape(*bad.shape, 2 * degree)
+    places = np.append(places, last, axis=-1)
+    value, rounding = _monic(k[..., None, :], places)
+    hit = value <= rounding
+    at = hit.argmax(axis=-1)[..., None]
+    low = np.take_along_axis(places, at, -1)[..., 0]
+    # No root is as large (Fujiwara 1916).
+    bound = 2 * (np.abs(k) ** (1 / np.arange(1, degree + 1))).max(axis=-1)
+    above = np.take_along_axis(places, np.maximum(at - 1, 0), -1)[..., 0]
+    high = np.where(at[..., 0] == 0, bound, above)
+    crossed = np.take_along_axis(value < -rounding, at, -1)[..., 0]
+    root = _bisected(k, low, np.where(crossed, high, low))
+    return np.asarray(np.where(bad, 0.0, np.where(hit.any(axis=-1), 1 / root, np.inf)))
+
+
+def _monic(k: Array, s: Array) -> tuple[Array, Array]:
+    """s^m + k_1 s^(m-1) + ... and what rounding can make of it (Higham 2002, section 5.1)."""
+    value, size = np.ones_like(s), np.ones_like(s)
+    for j in range(k.shape[-1]):
+        value, size = value * s + k[..., j], size * s + np.abs(k[..., j])
+    return value, 16 * (k.shape[-1] + 1) * _EPS * size
+
+
+def _bisected(k: Array, low: Array, high: Array) -> Array:
+    """Roots between `low`, where a monic polynomial is negative, and `high`, ``(...)``."""
+    for _ in range(_MOST_HALVINGS):
+        if (high - low <= 2 * _EPS * high).all():
+            break
+        middle = np.sqrt(low * high)
+        below = _monic(k, middle)[0] < 0
+        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    return high
