@@ -91,7 +91,9 @@ def test_what_no_pinhole_can_be_had_from_is_refused():
     points = turned_points(0.05)
     refused(replace(points, pixels=points.pixels * [1, -1]), "mirrored world")
     refused(replace(points, world=points.world * [1, 1, 0]), "in one plane")
-    few = replace(points, world=points.world[::60], pixels=points.pixels[::60])
+    few = bc.Correspondences.from_arrays(
+        points.world[::60], points.pixels[::60], setup=points.setup
+    )
     refused(few, "it needs 6 points at least")
 
 
@@ -107,7 +109,7 @@ def test_coplanar_points_serve_where_the_position_is_held():
     flat = points.world[:, 2] == 0
     position = TURNED["position"]
     setup = replace(points.setup, position=position)
-    plane = replace(points, world=points.world[flat], pixels=points.pixels[flat], setup=setup)
+    plane = bc.Correspondences.from_arrays(points.world[flat], points.pixels[flat], setup=setup)
     levels = (NoiseLevel.known(0.1), NoiseLevel.known(0.1))
     geometry, prior, data = problem(plane, 1, fixed=True, levels=levels)
     fit = fit_pinhole(plane, geometry, prior, data)
