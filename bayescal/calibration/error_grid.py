@@ -13,10 +13,10 @@ from bayescal.calibration.error_model import LARGEST_TARGET, ErrorModel, Geometr
 
 Node: TypeAlias = tuple[int, int, int, int]
 
-CORRELATED = (0.0, *(2.0**k for k in range(-3, 6)))
+CORRELATED = (0.0, *(2.0**k for k in range(-3, 8)))
 LENGTHS = tuple(2.0**k for k in range(-1, 6))  # spacings of the target's points
 OFFSETS = (0.0, *(2.0**k for k in range(-4, 4)))
-KEPT = 7.0  # nat below the best at which a node's neighbours are not looked at any more
+KEPT = 5.0  # nat below the best at which a node's neighbours are not looked at any more
 FEWEST_VIEWS = 3  # offsets common to fewer views can't be told from the poses
 
 
@@ -164,7 +164,7 @@ def follow(
                 found[other] = log_evidence(other) + grid.log_prior(other)
     order = sorted(found, key=lambda n: -found[n])
     total = float(logsumexp(list(found.values())))
-    likely = [n for n in order if found[n] > total - kept]
+    likely = [n for n in order if found[n] > found[order[0]] - kept]
     return Averaged(
         total, tuple(likely), tuple(math.exp(found[n] - total) for n in likely), len(found)
     )

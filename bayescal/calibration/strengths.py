@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.lens_model import LOG_2PI, LensModel
 
 NODES = {1: 16, 2: 16, 3: 9}  # a group, by the number of groups
 FEWEST = 5
@@ -44,15 +42,12 @@ def strengths(model: LensModel, nodes: int | None = None) -> Strengths:
     mean[: model.n_plain], sd[: model.n_plain] = model.plain_prior
     groups = model.groups
     x, w = np.polynomial.legendre.leggauss(nodes or NODES.get(len(groups), FEWEST))
-    rows, weights = [], []
-    for chosen in product(range(len(x)), repeat=len(groups)):
-        row = sd.copy()
-        for group, j in zip(groups, chosen, strict=True):
-            low, high = np.log(group.bounds)
-            tau = math.exp((low + high) / 2 + (high - low) / 2 * x[j])
-            row[list(group.columns)] = tau * group.unit
-        rows.append(row)
-        weights.append(math.fsum(math.log(w[j] / 2) for j in chosen))
-    sds = np.array(rows)
-    log_density = -np.log(sds).sum(axis=1) - model.dimension / 2 * math.log(2 * math.pi)
-    return Strengths(sds**-2, log_density, np.array(weights), mean)
+    n = len(x) ** len(groups)
+    sds, log_weight = np.tile(sd, (n, 1)), np.zeros(n)
+    for group, chosen in zip(groups, np.indices((len(x),) * len(groups)), strict=True):
+        low, high = np.log(group.bounds)
+        tau = np.exp((low + high) / 2 + (high - low) / 2 * x)
+        sds[:, list(group.columns)] = group.unit * tau[chosen.ravel(), None]
+        log_weight += np.log(w / 2)[chosen.ravel()]
+    log_density = -np.log(sds).sum(axis=1) - model.dimension / 2 * LOG_2PI
+    return Strengths(sds**-2, log_density, log_weight, mean)
