@@ -98,7 +98,7 @@ def _answered(given: list[str]) -> int:
 
 
 def _run(given: list[str]) -> int:
-    parser = _parser()
+    parser = make_parser()
     options, rest = parser.parse_known_args(given)
     # Before Python 3.13 an optional POINTS that stands apart from KIND is left over.
     if len(rest) == 1 and getattr(options, "points", "") is None and not _option(rest[0]):
@@ -132,7 +132,8 @@ def _one_line(message: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in folded)
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Make the parser of every command, without anything heavy."""
     parser = _Parser(
         prog="bayescal",
         description="Bayesian uncertainty analysis for camera calibration: "

@@ -54,7 +54,9 @@ def _taken(kind: FigureKind) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument("kind", choices=ALL, metavar="KIND", help=f"what to draw: {', '.join(ALL)}")
+    parser.add_argument(
+        "kind", choices=tuple(ALL), metavar="KIND", help=f"what to draw: {', '.join(ALL)}"
+    )
     parser.add_argument(
         "--list", action=_ListKinds, nargs=0, help="say what each kind shows, and end"
     )

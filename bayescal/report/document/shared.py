@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # Gaussian noise samples nothing of the kind
     from bayescal.inference.sampled_posterior import SampledPosterior
 
 # What the numbers of a sampled result depend on.
-PACKAGES = ("emcee", "numpy", "scipy", "arviz")
+PACKAGES = ("emcee", "numpy", "scipy", "arviz_stats")
 
 
 def dumps(found: dict[str, Any]) -> str:

@@ -1,0 +1,17 @@
+"""Settings of the documentation's site: ./scripts/site builds it."""
+
+import bayescal
+
+project, author, copyright = "bayescal", "The bayescal developers", "the bayescal developers, MIT"
+version = release = bayescal.__version__
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+exclude_patterns = ["conf.py", "images"]
+html_theme, html_title = "furo", f"bayescal {version}"
+# The walk-through is executed by the tests; the site shows the outputs it has.
+nb_execution_mode = "off"
+myst_enable_extensions = ["dollarmath"]
+myst_heading_anchors = 4
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
