@@ -44,6 +44,7 @@ _EXPORTS = {
     "open_run": "bayescal.report.runs",
     "opencv_camera": "bayescal.report.opencv",
     "FittedCamera": "bayescal.report.cameras.camera",
+    "fitted_camera": "bayescal.report.cameras.fitted",
     "save_camera": "bayescal.report.cameras.write",
     "save_opencv": "bayescal.report.opencv",
     "save_report": "bayescal.report.page.page",
@@ -70,6 +71,7 @@ __all__ = [
     "fit",
     "fit_family",
     "fit_polynomial",
+    "fitted_camera",
     "least_squares",
     "load",
     "load_setup",
@@ -105,6 +107,7 @@ if TYPE_CHECKING:
     from bayescal.points.views import Views
     from bayescal.points.writer import save
     from bayescal.report.cameras.camera import FittedCamera
+    from bayescal.report.cameras.fitted import fitted_camera
     from bayescal.report.cameras.write import save_camera
     from bayescal.report.figures.registry import plot
     from bayescal.report.opencv import opencv_camera, save_opencv

@@ -100,9 +100,10 @@ def _answered(given: list[str]) -> int:
 def _run(given: list[str]) -> int:
     parser = make_parser()
     options, rest = parser.parse_known_args(given)
-    # Before Python 3.13 an optional POINTS that stands apart from KIND is left over.
-    if len(rest) == 1 and getattr(options, "points", "") is None and not _option(rest[0]):
-        options.points = rest.pop()
+    # Before Python 3.13 an optional POINTS or VIEWS that stands behind options is left over.
+    for name in ("points", "views"):
+        if len(rest) == 1 and getattr(options, name, "") is None and not _option(rest[0]):
+            setattr(options, name, rest.pop())
     if rest:
         parser.error(f"unrecognized arguments: {' '.join(rest)}")
     import logging  # not needed by --help

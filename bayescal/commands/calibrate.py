@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bayescal.commands import options as shared
-from bayescal.commands.output import add_output, check_output, code_of, publish
+from bayescal.commands.output import add_output, check_file, check_output, code_of, publish
+from bayescal.commands.view_options import add_views, views
+
+if TYPE_CHECKING:
+    from bayescal.comparison.lenses.results import LensComparison
 
 HELP = "compare lens models over many views of a target"
 DESCRIPTION = (
@@ -18,18 +24,7 @@ STEPS = 17  # of a sweep, about
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "views",
-        nargs="?",
-        metavar="VIEWS",
-        help="table with columns view,x,y,z,r,c, or a file of another tool; - reads standard "
-        "input; by default the bundled chessboard, 13 views",
-    )
-    given = parser.add_argument_group("views")
-    given.add_argument("--board", metavar="9x6", help="points along x and y, for files of pixels")
-    given.add_argument("--square", type=float, metavar="SIDE", help="distance of its points (1)")
-    given.add_argument("--image-width", type=float, metavar="PX", help="image width, px")
-    given.add_argument("--image-height", type=float, metavar="PX", help="image height, px")
+    add_views(parser)
     model = parser.add_argument_group("model")
     model.add_argument(
         "--lens",
@@ -59,6 +54,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--ess", type=int, default=400, metavar="N", help="effective samples wanted (400)"
     )
     add_output(parser, None)
+    camera = parser.add_argument_group("camera")
+    camera.add_argument(
+        "--camera",
+        nargs=2,
+        action="append",
+        default=[],
+        metavar=("FORMAT", "FILE"),
+        help="write the most probable lens for another tool: opencv, ros, kalibr, mrcal or colmap; "
+        "may be given again",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -69,25 +74,15 @@ def run(options: argparse.Namespace) -> int:
     if options.sigma in ("replicates", "scale"):
         raise InputError(f"calibrate: sigma {options.sigma} is of points; give px or inferred")
     check_output(options)
+    _check_cameras(options)
     from bayescal.api.calibrate import calibrate
-    from bayescal.points.bundled import chessboard
-    from bayescal.points.view_reader import load_views
     from bayescal.report.kinds.lenses import LENSES
     from bayescal.report.lenses import lenses_view
 
-    if options.views is None:
-        views = chessboard()
-    else:
-        views = load_views(
-            options.views,
-            board=options.board,
-            square=options.square,
-            width=options.image_width,
-            height=options.image_height,
-        )
+    found = views(options)
     with shared.Progress(options, STEPS, "judging", "lens") as progress:
         result = calibrate(
-            views,
+            found,
             lenses=options.lens,
             sigma=None if options.sigma == "inferred" else options.sigma,
             independent=options.independent,
@@ -98,4 +93,39 @@ def run(options: argparse.Namespace) -> int:
             progress=progress.named,
         )
     publish(options, result, lenses_view, LENSES)
+    _write_cameras(options, result)
     return code_of(sound=result.sound)
+
+
+def _check_cameras(options: argparse.Namespace) -> None:
+    """Refuse cameras that can't be written before anything is computed."""
+    if not options.camera:
+        return
+    from bayescal.errors import InputError
+    from bayescal.report.cameras.write import BESIDE, FORMATS, check_format
+
+    places = []
+    for form, name in options.camera:
+        check_format(form)
+        beside = [] if FORMATS[form].COVARIANCE else [Path(f"{name}{BESIDE}")]
+        places += [Path(name), *beside]
+    if options.json not in (None, "-"):
+        places.append(Path(options.json))
+    for place in places:
+        check_file(options, place)
+    if len({place.resolve() for place in places}) < len(places):
+        raise InputError("two outputs name the same file; name two")
+
+
+def _write_cameras(options: argparse.Namespace, result: LensComparison) -> None:
+    """Write the most probable lens for other tools."""
+    if not options.camera:
+        return
+    from bayescal.report.cameras.fitted import fitted_camera
+    from bayescal.report.cameras.write import check_format, save_camera
+
+    camera = fitted_camera(result)
+    for form, _ in options.camera:  # all or none
+        check_format(form, camera.lens)
+    for form, name in options.camera:
+        save_camera(camera, name, form, force=options.force)

@@ -65,7 +65,7 @@ def check_file(options: argparse.Namespace, path: Path) -> None:
         raise InputError("-: this can't be written to standard output; name a file")
     check_free(path, force=options.force)
     place = path.resolve()
-    for name in ("points", "setup", "like", "world", "pixels"):
+    for name in ("points", "setup", "like", "world", "pixels", "views"):
         given = getattr(options, name, None)
         if given in (None, "", "-"):
             continue

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import cv2
 import pytest
 
+import bayescal as bc
 from bayescal.cli import main
 
 
@@ -25,6 +27,48 @@ def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert document["verdict"]["status"] == "decided"
 
 
+def test_cameras_for_other_tools(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Truth: OpenCV reads its camera and sees the bundled corners with it as well as the fit."""
+    monkeypatch.chdir(tmp_path)
+    views = bc.chessboard()
+    bc.save_views(views, "v.csv")
+    options = ["--lens", "radial 2", "--independent", "--square-pixels", "--quiet"]
+    cameras = ["--camera", "opencv", "c.yml", "--camera", "colmap", "cameras.txt"]
+    assert main(["calibrate", *options, *cameras, "v.csv"]) == 0
+    assert capsys.readouterr().err == ""
+    storage = cv2.FileStorage("c.yml", cv2.FILE_STORAGE_READ)
+    matrix, k = (storage.getNode(n).mat() for n in ("camera_matrix", "distortion_coefficients"))
+    assert storage.getNode("covariance").mat().shape == (6, 6)
+    squares = 0.0
+    for part in views.slices:
+        world, pixels = views.world[part], views.pixels[part]
+        _, turn, shift = cv2.solvePnP(world, pixels, matrix, k)
+        squares += ((cv2.projectPoints(world, turn, shift, matrix, k)[0][:, 0] - pixels) ** 2).sum()
+    assert (squares / views.n_points) ** 0.5 == pytest.approx(0.18, abs=0.02)
+    line = Path("cameras.txt").read_text().splitlines()[-1].split()
+    assert line[:4] == ["1", "OPENCV", "640", "480"]
+    assert float(line[6]) == matrix[0, 2] + 0.5
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        *("c.yml", "cameras.txt", "cameras.txt.covariance.csv", "v.csv"),
+    ]
+    assert main(["calibrate", *options, "--camera", "opencv", "v.csv", "--force", "v.csv"]) == 2
+    assert "would replace what is read" in capsys.readouterr().err
+
+
+def test_a_lens_that_a_format_lacks_is_said(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = tmp_path / "c.yaml"
+    options = ["--lens", "division", "--independent", "--camera", "kalibr", str(place)]
+    assert main(["calibrate", *options]) == 2
+    said = capsys.readouterr()
+    assert "Verdict: " in said.out
+    assert "Kalibr camchain has no division lens with lambda; write it for colmap" in said.err
+    assert not place.exists()
+
+
 @pytest.mark.parametrize(
     ("options", "why"),
     [
@@ -33,6 +77,10 @@ def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixtur
         (["--sigma", "-1"], "sigma must be a positive number"),
         (["--sigma", "replicates"], "sigma replicates"),
         (["nowhere.csv"], "nowhere.csv"),
+        (["--board", "9x6"], "--board is of a file of views, and none is named"),
+        (["--camera", "ply", "c"], "no format is called 'ply'"),
+        (["--camera", "ros", "c", "--camera", "opencv", "c"], "two outputs name the same file"),
+        (["--camera", "ros", "no/folder/c"], "there is no folder"),
     ],
 )
 def test_bad_input_is_one_line(
