@@ -116,16 +116,19 @@ class Camera:
         arms = world @ np.swapaxes(matrix, -1, -2)  # R X
         rays = arms + translation[..., None, :]
         found = self.jacobian(intrinsics, k, rays)
-        by_pose = np.empty((*found.by_ray.shape[:-1], 6))
+        g, arm = found.by_ray, arms[..., None, :]
+        by_pose = np.empty((*g.shape[:-1], 6))
         # A row g of by_ray turns into g (-[R X]x) = (R X) x g.
-        by_pose[..., :3] = np.cross(arms[..., None, :], found.by_ray)
-        by_pose[..., 3:] = found.by_ray
+        for i, one, other in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            by_pose[..., i] = arm[..., one] * g[..., other] - arm[..., other] * g[..., one]
+        by_pose[..., 3:] = g
+        by_world = g.reshape(*g.shape[:-3], -1, 3) @ matrix
         return Projection(
             found.pixels,
             found.by_intrinsics,
             found.by_coefficients,
             by_pose,
-            found.by_ray @ matrix[..., None, :, :],
+            by_world.reshape(g.shape),
             self.lens.seen(rays, k),
         )
 

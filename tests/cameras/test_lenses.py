@@ -336,6 +336,16 @@ def test_nothing_is_claimed_beyond_the_limit(case):
     assert lens.seen(back.rays[back.found], k).all()
 
 
+def test_without_coefficients_a_lens_serves_however_far_out_a_point_is():
+    """The square of the radius overflows."""
+    lens, rays = lens_named("radial", order=0, tangential=False), np.array([[3e168, 0, 1.5]])
+    found = lens.jacobian(rays, np.zeros(0))
+    assert found.plane.tolist() == [[2e168, 0]]
+    truth = [[[1 / 1.5, 0, -2e168 / 1.5], [0, 1 / 1.5, 0]]]
+    np.testing.assert_allclose(found.by_ray, truth, rtol=1e-15)
+    assert lens.distort(rays, np.zeros(0)).tolist() == [[2e168, 0]]
+
+
 def test_shapes_out_of_bounds_see_nothing():
     for name, k in (("eucm", [1.2, 1.0]), ("eucm", [0.5, -1.0]), ("double-sphere", [0.0, -0.1])):
         assert not lens_named(name).seen(np.array([[0.1, 0, 1]]), np.array(k)).any(), name

@@ -150,20 +150,25 @@ class Planar:
         u, v = (np.asarray(sum(part.plane[i] for part in parts.values())) for i in (0, 1))
         return columns(u, v), by_plane, by_k
 
-    def _bars(self, k: Array) -> tuple[Array, Array]:
+    def _bars(self, k: Array) -> list[Array]:
         """Polynomials in t, without their constant 1, whose first root ends the inverse.
 
         The numerator of the slope of w g, (N + w N') D - N w D', and D itself.
         """
-        above, below = (with_one(part) for part in self._radial(k))
-        degrees = [self.step * np.arange(part.shape[-1]) for part in (above, below)]
+        above, below = self._radial(k)
+        rise = 1 + self.step * np.arange(1, self.numerator + 1)
+        if not self.denominator:
+            return [above * rise]
+        up, down = with_one(above), with_one(below)
         with np.errstate(invalid="ignore", over="ignore"):
-            slope = product(above * (1 + degrees[0]), below) - product(above, below * degrees[1])
-        return slope[..., 1:], below[..., 1:]
+            slope = product(with_one(above * rise), down) - product(
+                up, down * self.step * np.arange(self.denominator + 1)
+            )
+        return [slope[..., 1:], below]
 
     def _edge(self, k: Array) -> Array:
         """Radius w of the undistorted plane up to which w g grows, ``(...)``; inf if always."""
-        first = np.minimum(*(first_root(bar) for bar in self._bars(k)))
+        first = np.min([first_root(bar) for bar in self._bars(k)], axis=0)
         return np.asarray(first ** (1 / self.step))
 
     def limit(self, k: Array) -> Array:
@@ -175,17 +180,15 @@ class Planar:
         depth = rays[..., 2]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             radius = np.where(depth > 0, np.hypot(rays[..., 0], rays[..., 1]) / depth, np.inf)
+            # Most cameras fold far outside: there the terms that lower a bar sum to less than 1.
+            farthest = np.where(radius < np.inf, radius, 0).max(axis=-1, initial=0.0) ** self.step
+            bars = [horner(np.minimum(bar, 0), farthest[..., None]) for bar in self._bars(k)]
         shape = np.broadcast_shapes(radius.shape[:-1], k.shape[:-1])
-        k = np.broadcast_to(k, (*shape, k.shape[-1]))
-        # Most cameras fold far outside: the terms that lower a bar sum to less than 1.
-        farthest = np.where(np.isfinite(radius), radius, 0).max(axis=-1, initial=0.0) ** self.step
-        near = np.ones(shape, dtype=bool)
-        for bar in self._bars(k):
-            near &= (
-                horner(np.minimum(bar, 0), np.broadcast_to(farthest, shape)[..., None])[..., 0] > 0
-            )
+        near = np.all([bar[..., 0] > 0 for bar in bars], axis=0) & np.isfinite(k).all(axis=-1)
+        near = np.broadcast_to(near, shape)
         edge = np.full(shape, np.inf)
-        edge[~near] = self._edge(k[~near])
+        if not near.all():
+            edge[~near] = self._edge(np.broadcast_to(k, (*shape, k.shape[-1]))[~near])
         return np.asarray(radius < edge[..., None])
 
     def undistort(self, plane: Array, k: Array) -> Undistorted:

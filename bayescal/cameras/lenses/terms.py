@@ -21,6 +21,9 @@ class Terms:
 
 def radial_terms(a: Array, b: Array, above: Array, below: Array, step: int) -> Terms:
     """Make a g and b g, with k1, k2, ... above the line and then those below."""
+    if not above.shape[-1] + below.shape[-1]:  # however far out the point is
+        one, zero = np.ones_like(a), np.zeros_like(a)
+        return Terms((a, b), ((one, zero), (zero, one)), [])
     square = a**2 + b**2
     t = square if step == 2 else np.sqrt(square)
     over = 1 / horner(below, t)
