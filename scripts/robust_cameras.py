@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import bayescal as bc
-from bayescal.comparison.families.models import noise_levels, pinhole_model
+from bayescal.comparison.families.models import noise_levels, robust_pinhole
 from bayescal.comparison.settings import Settings
 from bayescal.density.robust_pinhole import RobustPinhole
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
@@ -45,7 +45,7 @@ def robust_model(points: Correspondences, order: int, noise: str) -> RobustPinho
     """Build a pinhole at a free position as `compare` does."""
     settings = Settings(noise=noise, ess=ESS)
     levels = noise_levels(points, settings, order)
-    model = pinhole_model(points, order, "free", "even", levels.data, settings)
+    model = robust_pinhole(points, order, "free", "even", levels.data, settings)
     assert isinstance(model, RobustPinhole), "the noise is robust"
     return model
 

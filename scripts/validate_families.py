@@ -26,8 +26,9 @@ import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import PinholeGeometry
 from bayescal.density.gaussian_pinhole import GaussianPinhole
+from bayescal.density.joint_data import JointData
 from bayescal.density.pinhole_coordinates import suited
-from bayescal.density.pinhole_fit import JointData, fit_pinhole
+from bayescal.density.pinhole_fit import fit_pinhole
 from bayescal.density.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model

@@ -1,7 +1,7 @@
-"""The rooms of the house: which may import from which.
+"""The rooms of the house: which may import from which, and that no modules import in a circle.
 
 Truth: the order below. Every import, those for type checking and inside functions included, goes
-to the same room or to one that stands before it.
+to the same room or to one that stands before it; and from no module do imports lead back to it.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ def imported(text: str) -> Iterator[str]:
             yield from (f"bayescal.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             yield node.module or ""
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
 
 
 def climbing(own: str, text: str) -> list[str]:
@@ -59,3 +60,64 @@ def test_a_climbing_import_is_found() -> None:
     assert climbing("linear", "if X:\n    from bayescal.comparison.results import A\n") != []
     assert climbing("report", "from bayescal import __version__\n") != []
     assert climbing("report", "from bayescal.comparison.results import A\n") == []
+
+
+def circles(imports: dict[str, set[str]]) -> list[list[str]]:
+    """Sets of modules that import each other, each sorted (Tarjan 1972, SIAM J. Comput. 1, 146)."""
+    number: dict[str, int] = {}
+    lowest: dict[str, int] = {}
+    stack: list[str] = []
+    found = []
+
+    def visit(name: str) -> None:
+        number[name] = lowest[name] = len(number)
+        stack.append(name)
+        for other in sorted(imports.get(name, ())):
+            if other not in number:
+                visit(other)
+                lowest[name] = min(lowest[name], lowest[other])
+            elif other in stack:
+                lowest[name] = min(lowest[name], number[other])
+        if lowest[name] == number[name]:
+            at = stack.index(name)
+            circle, stack[at:] = sorted(stack[at:]), []
+            if len(circle) > 1 or name in imports.get(name, ()):
+                found.append(circle)
+
+    for name in sorted(imports):
+        if name not in number:
+            visit(name)
+    return sorted(found)
+
+
+def module(path: Path) -> str:
+    """Name of the module of a file."""
+    return ".".join(("bayescal", *path.relative_to(ROOT).with_suffix("").parts))
+
+
+def test_no_modules_import_in_a_circle() -> None:
+    names = {module(path) for path in FILES}
+    imports = {
+        module(path): names.intersection(imported(path.read_text("utf-8"))) for path in FILES
+    }
+    assert sum(map(len, imports.values())) > len(names)  # imports were found
+    assert circles(imports) == []
+
+
+def test_a_circle_is_found() -> None:
+    """Negative control: a circle of two, one of three, a module that imports itself."""
+    texts = {
+        "bayescal.a": "if TYPE_CHECKING:\n    from bayescal.b import B\n",
+        "bayescal.b": "def f():\n    import bayescal.a\n",
+        "bayescal.c": "from bayescal.d import D\nfrom bayescal.a import A\n",
+        "bayescal.d": "from bayescal import e\n",
+        "bayescal.e": "from bayescal.c import C\n",
+        "bayescal.f": "from bayescal.f import F\n",
+        "bayescal.g": "from bayescal.a import A\n",
+    }
+    found = circles({name: set(imported(text)) for name, text in texts.items()})
+    assert found == [
+        ["bayescal.a", "bayescal.b"],
+        ["bayescal.c", "bayescal.d", "bayescal.e"],
+        ["bayescal.f"],
+    ]

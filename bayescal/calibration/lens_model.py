@@ -16,10 +16,9 @@ from functools import cached_property
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.cameras.lenses.lens import Lens
 
-LOG_2PI = math.log(2 * math.pi)
 FOCAL_SD, ASPECT_SD, CENTRE_SD = 0.7, 0.05, 0.1
 # Bounds of tau, the size of the displacements: fractions of the width; of the diagonal for bow.
 WIDE, NARROW, BOW = (1e-3, 0.5), (1e-4, 0.05), (1e-4, 0.03)

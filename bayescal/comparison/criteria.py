@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from bayescal.arrays import LOG_2PI
 from bayescal.linear.least_squares import LeastSquaresFit
 from bayescal.noise.level import NoiseLevel
-
-LOG_2PI = math.log(2 * math.pi)
 
 
 @dataclass(frozen=True)
@@ -98,3 +98,8 @@ def criteria_from(
     spare = n - k - 1
     aicc = aic + 2 * k * (k + 1) / spare if inferred and spare > 0 else None
     return Criteria(k, log_likelihood, aic, aicc, -2 * log_likelihood + k * math.log(n))
+
+
+def robust_criteria(names: Sequence[str]) -> Criteria:
+    """K alone: the likelihood may have no maximum. Everything inferred counts but tau."""
+    return Criteria(sum(not name.startswith("tau") for name in names))

@@ -32,6 +32,9 @@ class ReferenceSigma:
     dof: int | None
 
 
+NO_REFERENCE = ReferenceSigma("none", None, None)
+
+
 def reference_sigma(
     noise: NoiseLevel, highest: LeastSquaresFit, replicates: tuple[float | None, int] = (None, 0)
 ) -> ReferenceSigma:

@@ -14,15 +14,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bayescal.arrays import Array, IntArray, frozen
+from bayescal.arrays import LOG_2PI, Array, IntArray, frozen
 from bayescal.linear.closed_form import ExactPosterior
-from bayescal.linear.evidence import LOG_2PI, log_evidences
+from bayescal.linear.evidence import log_evidences
 from bayescal.linear.quadrature import FINE
 from bayescal.linear.reweighting import Rows
 from bayescal.polynomials.axis_data import AxisData
@@ -38,36 +37,65 @@ DETERMINED = 1e-7
 CHUNK = 4_000_000
 
 
-class Pointwise(Protocol):
-    """What a difference of two leave-one-outs needs, however each was had."""
-
-    @property
-    def pointwise(self) -> Array:
-        """Terms of elpd, ``(n_units,)``."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
 class LeaveOneOut:
-    """Expected log pointwise predictive density of one order.
+    """Expected log pointwise predictive density (elpd), however its terms were had.
 
     Attributes
     ----------
     pointwise : Array
-        elpd_i = ln p(t_i | all other points), ``(n_points,)``, per px.
-    elpd, se : float
-        Sum, and sqrt(n) times the sd (n - 1) of the terms.
-    p_eff : float
+        ln p(unit i | all other units), ``(n_units,)``: a unit is a pixel value of one axis, or r
+        and c of a point together.
+    p_eff : float or None
         Effective number of parameters: in-sample log predictive density less elpd.
-    refitted : int
-        Points whose removal needed a fit of its own.
+    refitted : tuple of int
+        Units whose removal needed a fit or an evidence of its own.
+    pareto_k : Array or None
+        Shape of each unit's weights where the terms come from draws, ``(n_units,)``: inf where
+        there is none, -inf of those refitted; None where the terms are exact.
+    k_limit : float or None
+        Good below it; fewer draws can judge thinner tails only.
+    mcse : float
+        Monte Carlo standard error of elpd.
     """
 
     pointwise: Array
-    elpd: float
-    se: float
-    p_eff: float
-    refitted: int
+    p_eff: float | None = None
+    refitted: tuple[int, ...] = ()
+    pareto_k: Array | None = None
+    k_limit: float | None = None
+    mcse: float = 0.0
+
+    @property
+    def elpd(self) -> float:
+        """Sum of the terms."""
+        return float(self.pointwise.sum())
+
+    @property
+    def se(self) -> float:
+        """Its standard error: sqrt(n) times the sd (n - 1) of the terms."""
+        return _se(self.pointwise)
+
+    @property
+    def largest_k(self) -> float | None:
+        """Largest Pareto k of those that draws tell of; None where the terms are exact."""
+        if self.pareto_k is None:
+            return None
+        largest = float(self.pareto_k.max())
+        return 0.0 if largest == -math.inf else largest
+
+    @property
+    def unreliable(self) -> tuple[int, ...]:
+        """Units whose Pareto k is not good, the worst first."""
+        if self.pareto_k is None or self.k_limit is None:
+            return ()
+        order = np.argsort(-self.pareto_k, kind="stable")
+        return tuple(int(i) for i in order if not self.pareto_k[i] < self.k_limit)
+
+    @property
+    def reliable(self) -> bool:
+        """Whether it is exact, or every unit's Pareto k is good."""
+        return not self.unreliable
 
 
 def leave_one_out(data: AxisData, exact: ExactPosterior) -> LeaveOneOut | None:
@@ -105,10 +133,8 @@ def leave_one_out(data: AxisData, exact: ExactPosterior) -> LeaveOneOut | None:
         moved[part] = alone | far | _cut_off(exact, left.reshape(-1, *exact.log_joint.shape))
     if moved.any():
         out[moved] = exact.log_integral - _refitted(data, exact, np.flatnonzero(moved))
-    se = math.sqrt(n) * float(out.std(ddof=1)) if n > 1 else math.nan
-    return LeaveOneOut(
-        frozen(out), float(out.sum()), se, float(inside.sum() - out.sum()), int(moved.sum())
-    )
+    again = tuple(np.flatnonzero(moved).tolist())
+    return LeaveOneOut(frozen(out), float(inside.sum() - out.sum()), again)
 
 
 def _cut_off(exact: ExactPosterior, density: Array) -> NDArray[np.bool_]:
@@ -163,9 +189,13 @@ def _refitted(data: AxisData, exact: ExactPosterior, points: IntArray) -> Array:
     return log_evidences(sets.reduced(model.order), model.noise, model.prior, FINE)
 
 
-def paired_difference(one: Pointwise, other: Pointwise) -> tuple[float, float]:
+def paired_difference(one: LeaveOneOut, other: LeaveOneOut) -> tuple[float, float]:
     """Difference of elpd, `one` less `other`, and its paired standard error."""
     difference = one.pointwise - other.pointwise
-    n = len(difference)
-    se = math.sqrt(n) * float(difference.std(ddof=1)) if n > 1 else math.nan
-    return float(difference.sum()), se
+    return float(difference.sum()), _se(difference)
+
+
+def _se(terms: Array) -> float:
+    """Give the standard error of a sum: sqrt(n) times the sd (n - 1) of its terms."""
+    n = len(terms)
+    return math.sqrt(n) * float(terms.std(ddof=1)) if n > 1 else math.nan

@@ -1,109 +1,135 @@
-"""Leave-one-out from the draws, by Pareto-smoothed importance sampling."""
+"""Leave-one-out from the draws: importance sampling, and evidences without a unit beside it.
+
+Vehtari, Simpson, Gelman, Yao & Gabry 2024, J. Mach. Learn. Res. 25(72).
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array, frozen
+from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.inference.arviz_bridge import psis_loo
-from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.inference.estimate import EvidenceEstimate
 
 # Log densities held at once, and the fewest draws worth it.
 NUMBERS = 20_000_000
 FEWEST_DRAWS = 400
+ENOUGH = 4000  # draws, at most twice as many
 GOOD_K = 0.7
+# Pareto k from which a unit's term comes from the evidence without it, of so many units at most.
+# Good k are below 0.7; but terms between these were too high, together by half a nat.
+REFITTED, MOST_REFITS = 0.4, 20
+
+# Log density of each unit given draws, and given the other units where these say more.
+LeftOut: TypeAlias = Callable[[Array], Array]
+# Evidence without a unit.
+Without: TypeAlias = Callable[[int], EvidenceEstimate]
+
+
+class Drawn(Protocol):
+    """What leave-one-out needs of draws, sampled or weighted."""
+
+    @property
+    def completed(self) -> Array:
+        """Completed draws, ``(n_draws, n_full)``."""
+        ...
+
+    @property
+    def effective(self) -> float:
+        """Number of independent draws that they are worth."""
+        ...
+
+    @property
+    def estimate(self) -> EvidenceEstimate | None:
+        """Evidence from draws; None where it has a closed form."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
-class SampledLeaveOneOut:
-    """Expected log pointwise predictive density of a sampled model.
+class Draws:
+    """Draws of a model whose evidence has a closed form, as `Drawn`."""
 
-    Attributes
-    ----------
-    pointwise : Array
-        elpd_i = ln p(unit i | all other units), ``(n_units,)``.
-    elpd, se : float
-        Sum, and sqrt(n) times the sd (n - 1) of the terms.
-    p_eff : float
-        Effective number of parameters: in-sample log predictive density less elpd.
-    mcse : float
-        Monte Carlo standard error of elpd.
-    pareto_k : Array
-        Shape of each unit's weights, ``(n_units,)``; inf where there is none.
-    k_limit : float
-        Good below it.
+    completed: Array
+    effective: float
+    estimate: None = None
+
+
+def sampled_leave_one_out(
+    drawn: Drawn, left_out: LeftOut, without: Without | None = None
+) -> LeaveOneOut | None:
+    """Leave each unit out by the weights of the draws.
+
+    Where a unit's weights have a heavy tail, its term comes from the evidence `without` it, if
+    that is to be had, and that of all is certain: ln p(t_i | the others) = ln Z - ln Z_-i.
+    None where the units are too many, too few, or the draws can't tell of one.
     """
-
-    pointwise: Array
-    elpd: float
-    se: float
-    p_eff: float
-    mcse: float
-    pareto_k: Array
-    k_limit: float
-
-    @property
-    def unreliable(self) -> tuple[int, ...]:
-        """Units whose Pareto k is not good, the worst first."""
-        order = np.argsort(-self.pareto_k, kind="stable")
-        return tuple(int(i) for i in order if self.pareto_k[i] >= self.k_limit)
-
-
-def sampled_leave_one_out(posterior: SampledPosterior) -> SampledLeaveOneOut | None:
-    """Leave each unit of data out of a sampled model, from its draws.
-
-    Parameters
-    ----------
-    posterior : SampledPosterior
-
-    Returns
-    -------
-    SampledLeaveOneOut or None
-        None where the data are too many, a density is not finite, or there is only one
-        unit.
-
-    Notes
-    -----
-    Vehtari, Simpson, Gelman, Yao & Gabry 2024, J. Mach. Learn. Res. 25(72).
-    """
-    full = posterior.full.reshape(-1, posterior.full.shape[2])
-    units = posterior.model.log_likelihood(full[:1]).shape[1]
-    kept = thinned(full, units)
-    if kept is None or units < 2:
+    units = left_out(drawn.completed[:1]).shape[1]
+    draws = thinned(drawn.completed, units)
+    if draws is None or units < 2:
         return None
-    log_likelihood = posterior.model.log_likelihood(kept).T
-    if not np.isfinite(log_likelihood).all():
+    density = left_out(draws).T
+    if not np.isfinite(density).all():
         return None
-    found = psis_loo(log_likelihood)
-    pointwise, shape = found.pointwise, found.pareto_k
-    density = logsumexp(log_likelihood, axis=1) - math.log(len(kept))
-    elpd = float(pointwise.sum())
+    pointwise, influence, shape = psis_loo(density)
+    shape = np.where(np.isfinite(shape), shape, np.inf)
+    refitted, variance, whole = [], 0.0, drawn.estimate
+    if without is not None and whole is not None and whole.certain:
+        heavy = np.flatnonzero(shape >= REFITTED)
+        for i in heavy[np.argsort(-shape[heavy], kind="stable")].tolist()[:MOST_REFITS]:
+            rest = without(i)
+            if rest.certain:
+                pointwise[i], shape[i] = whole.log_evidence - rest.log_evidence, -np.inf
+                variance += rest.error**2
+                refitted.append(i)
+        # Refitted terms share the error of the whole, the others their draws.
+        variance += (len(refitted) * whole.error) ** 2
+    if not np.isfinite(pointwise).all():
+        return None
+    shared = np.delete(influence, refitted, axis=0).sum(axis=0)
     # Dependent draws are worth fewer independent ones; the mcse counts them as such.
-    worth = min(1.0, min(p.ess_bulk for p in posterior.parameters) / len(full))
-    return SampledLeaveOneOut(
+    variance += float(shared @ shared) / min(1.0, drawn.effective / len(draws))
+    inside = float((logsumexp(density, axis=1) - math.log(len(draws))).sum())
+    return LeaveOneOut(
         frozen(pointwise),
-        elpd,
-        math.sqrt(units) * float(pointwise.std(ddof=1)),
-        float(density.sum()) - elpd,
-        found.mcse_of_sum / math.sqrt(worth),
-        frozen(np.where(np.isfinite(shape), shape, np.inf)),
-        good_k(len(kept)),
+        inside - float(pointwise.sum()),
+        tuple(sorted(refitted)),
+        frozen(shape),
+        good_k(len(draws)),
+        math.sqrt(variance),
+    )
+
+
+def of_both(r: LeaveOneOut, c: LeaveOneOut) -> LeaveOneOut:
+    """Leave-one-out of two axes that have nothing in common: a unit is r and c of a point."""
+    shapes = [loo.pareto_k for loo in (r, c) if loo.pareto_k is not None]
+    limits = [loo.k_limit for loo in (r, c) if loo.k_limit is not None]
+    return LeaveOneOut(
+        frozen(r.pointwise + c.pointwise),
+        None if r.p_eff is None or c.p_eff is None else r.p_eff + c.p_eff,
+        tuple(sorted({*r.refitted, *c.refitted})),
+        frozen(np.max(shapes, axis=0)) if shapes else None,
+        min(limits, default=None),
+        math.hypot(r.mcse, c.mcse),
     )
 
 
 def thinned(draws: Array, units: int) -> Array | None:
-    """Every so many of the draws, ``(n, ...)``, so that all units fit into memory.
+    """Every so many of the draws, ``(n, ...)``: enough, and so few that all units fit into memory.
 
     None where fewer than 400 would.
     """
     room = NUMBERS // units
     if room < FEWEST_DRAWS:
         return None
-    return draws[:: -(-len(draws) // room)]
+    enough = draws[:: max(1, len(draws) // ENOUGH)]
+    return enough[:: -(-len(enough) // room)]
 
 
 def good_k(draws: int) -> float:

@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.goodness import GoodnessOfFit, ReferenceSigma
+from bayescal.comparison.goodness import ReferenceSigma
+from bayescal.comparison.order_result import OrderResult as OrderResult
 from bayescal.comparison.verdict import AxisVerdict, percent
-from bayescal.inference.posterior import Posterior
-from bayescal.linear.closed_form import ExactPosterior
-from bayescal.linear.least_squares import LeastSquaresFit
 from bayescal.markup import bullets, table
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.level import NoiseLevel
@@ -22,74 +19,9 @@ from bayescal.rounding import plain, significant
 
 if TYPE_CHECKING:  # a plain comparison does not pay for the defence
     from bayescal.comparison.adequacy.outcome import AdequacyTest
-    from bayescal.comparison.defence.defence import Defence
+    from bayescal.comparison.defence.results import Defence
     from bayescal.comparison.defence.world_units import WorldUnit
     from bayescal.comparison.settings import Settings
-    from bayescal.inference.sampled_posterior import SampledPosterior
-
-
-@dataclass(frozen=True, eq=False)
-class OrderResult:
-    """One order on one axis.
-
-    Attributes
-    ----------
-    order : int
-    fit : LeastSquaresFit
-        Least squares: of maximum likelihood where the noise is Gaussian.
-    rss_px2 : float
-        Residual sum of squares, px^2, unweighted.
-    goodness : GoodnessOfFit
-        Without numbers where the noise is not Gaussian, as are the criteria.
-    criteria : Criteria
-    posterior : Posterior or SampledPosterior
-        The latter where the noise leaves no closed form.
-    probability : float or None
-        Posterior probability of the order among those compared; None under a
-        flat prior.
-    """
-
-    order: int
-    fit: LeastSquaresFit
-    rss_px2: float
-    goodness: GoodnessOfFit
-    criteria: Criteria
-    posterior: Posterior | SampledPosterior
-    probability: float | None
-
-    @property
-    def log_evidence(self) -> float | None:
-        """Natural log of the evidence; None under a flat prior."""
-        return self.posterior.log_evidence
-
-    @property
-    def exact(self) -> ExactPosterior | None:
-        """The closed form; None where the noise leaves none."""
-        return self.posterior.exact if isinstance(self.posterior, Posterior) else None
-
-    @property
-    def evidence_warnings(self) -> tuple[str, ...]:
-        """Why a sampled evidence should not be trusted; empty where it can be."""
-        posterior = self.posterior
-        return () if isinstance(posterior, Posterior) else posterior.estimate.warnings
-
-    @property
-    def sound(self) -> bool:
-        """Whether the draws converged and agree with the closed form.
-
-        Without a closed form: whether they converged and the evidence can be trusted.
-        """
-        posterior = self.posterior
-        checked = (
-            posterior.agrees_with_exact
-            if isinstance(posterior, Posterior)
-            else posterior.estimate.certain
-        )
-        return posterior.converged and checked
-
-    def __repr__(self) -> str:
-        chance = "" if self.probability is None else f", probability {self.probability:.3f}"
-        return f"<OrderResult: order {self.order}, RSS {self.rss_px2:.1f} px^2{chance}>"
 
 
 @dataclass(frozen=True, eq=False)

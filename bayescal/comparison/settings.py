@@ -6,6 +6,7 @@ import dataclasses
 import math
 import numbers
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -127,9 +128,24 @@ def checked_orders(orders: Iterable[int], lowest: int = 1) -> tuple[int, ...]:
     return wanted
 
 
-def noise_level(
-    data: AxisData, settings: Settings, other: Array | None, order: int
-) -> tuple[AxisData, NoiseLevel, str]:
+class ChosenLevel(NamedTuple):
+    """The noise level of an axis.
+
+    Attributes
+    ----------
+    data : AxisData
+        With deviations only where they are used.
+    level : NoiseLevel
+    words : str
+        How it was chosen.
+    """
+
+    data: AxisData
+    level: NoiseLevel
+    words: str
+
+
+def noise_level(data: AxisData, settings: Settings, other: Array | None, order: int) -> ChosenLevel:
     """Choose the noise level of an axis.
 
     Parameters
@@ -141,14 +157,6 @@ def noise_level(
     order : int
         The highest compared: its slope carries errors of world coordinates to pixels.
 
-    Returns
-    -------
-    data : AxisData
-        With deviations only where they are used.
-    level : NoiseLevel
-    source : str
-        How the level was chosen, in words.
-
     Raises
     ------
     InputError
@@ -158,7 +166,7 @@ def noise_level(
     if settings.choice.robust and data.axis != "y":
         level = level.on_readings(pixels.t, pixels.sd)
     if data.x_sd is None or not data.x_sd.any():
-        return pixels, level, source
+        return ChosenLevel(pixels, level, source)
     if level.source == "inferred":
         raise InputError(
             f"{data.source}: axis {data.axis}: errors of the world coordinates need the noise of "
@@ -168,16 +176,14 @@ def noise_level(
     combined = with_effective_deviations(pixels, alone, order)
     source += "; with the errors of the world coordinates, as effective variances"
     if level.source != "scale":
-        return combined, NoiseLevel.known(1.0), source
+        return ChosenLevel(combined, NoiseLevel.known(1.0), source)
     scale = NoiseLevel.scale()
     if settings.choice.robust:
         scale = scale.on_readings(combined.t, combined.sd)
-    return combined, scale, source
+    return ChosenLevel(combined, scale, source)
 
 
-def _pixel_noise(
-    data: AxisData, settings: Settings, other: Array | None
-) -> tuple[AxisData, NoiseLevel, str]:
+def _pixel_noise(data: AxisData, settings: Settings, other: Array | None) -> ChosenLevel:
     """Noise level of the pixels alone."""
     wanted, has_own = settings.sigma, data.sd is not None
     if wanted == "scale":
@@ -186,9 +192,10 @@ def _pixel_noise(
                 f"{data.source}: axis {data.axis}: sigma scale needs deviations to scale; add a "
                 f"column sigma_{data.axis}"
             )
-        return data, NoiseLevel.scale(), "the points' own deviations times an inferred scale"
+        words = "the points' own deviations times an inferred scale"
+        return ChosenLevel(data, NoiseLevel.scale(), words)
     if wanted is None and has_own:
-        return data, NoiseLevel.known(1.0), "known per point, from the data"
+        return ChosenLevel(data, NoiseLevel.known(1.0), "known per point, from the data")
     ignored = "; the points' own deviations are not used, as asked" if has_own else ""
     data = dataclasses.replace(data, sd=None)
     if wanted == "replicates":
@@ -203,11 +210,12 @@ def _pixel_noise(
             f"{significant(pure, 3)} px, from replicates ({dof} dof), inferred with their "
             f"uncertainty{ignored}"
         )
-        return data, NoiseLevel.replicates(pure, dof, data.pixel), words
+        return ChosenLevel(data, NoiseLevel.replicates(pure, dof, data.pixel), words)
     if isinstance(wanted, numbers.Real):
         _check_known(data, float(wanted))
-        return data, NoiseLevel.known(float(wanted)), f"known, {wanted:g} px{ignored}"
-    return data, NoiseLevel.inferred_in(data.pixel), f"inferred{ignored}"
+        words = f"known, {wanted:g} px{ignored}"
+        return ChosenLevel(data, NoiseLevel.known(float(wanted)), words)
+    return ChosenLevel(data, NoiseLevel.inferred_in(data.pixel), f"inferred{ignored}")
 
 
 def _check_known(data: AxisData, sigma: float) -> None:

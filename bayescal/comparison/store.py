@@ -9,13 +9,13 @@ from bayescal.comparison.key import Key
 from bayescal.linear.model import LinearModel
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
-    from bayescal.comparison.defence.noise_evidence import NoiseEvidence
-    from bayescal.inference.posterior import Posterior
+    from bayescal.comparison.judged import Judged
+    from bayescal.inference.checked_posterior import CheckedPosterior
     from bayescal.inference.sampled_model import SampledModel
     from bayescal.inference.sampled_posterior import SampledPosterior
     from bayescal.inference.weighting import WeightedDraws
 
-    Kept = Posterior | SampledPosterior | WeightedDraws
+    Kept = CheckedPosterior | SampledPosterior | WeightedDraws
 
 Draws = TypeVar("Draws", bound="Kept")
 
@@ -56,6 +56,6 @@ class Store:
         """Share of an axis's resamples that each order won; None where not yet known."""
         return None
 
-    def noises(self, axis: str) -> tuple[NoiseEvidence, ...] | None:  # noqa: ARG002
-        """Evidence under other noise of an axis's defence; None where not yet known."""
+    def noises(self, axis: str) -> tuple[Judged, ...] | None:  # noqa: ARG002
+        """Judge the recommended order under other noise; None where not yet known."""
         return None

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.evidence import plausible_set, strength
+from bayescal.comparison.order_result import OrderResult
 from bayescal.markup import bullets, paragraph
+from bayescal.noise.gaussian import GAUSSIAN
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,14 @@ class AxisVerdict:
     def _repr_html_(self) -> str:
         """Show the verdict in a notebook."""
         return paragraph(self.text) + bullets("Caveats", self.caveats)
+
+
+def verdict_on(results: Sequence[OrderResult], caveats: Sequence[str]) -> AxisVerdict:
+    """Form the verdict of one axis from its orders, judged; `caveats` limit it."""
+    evidence = {r.order: r.log_evidence for r in results if r.log_evidence is not None}
+    chances = {r.order: r.probability for r in results if r.probability is not None}
+    known = {r.order: r.criteria for r in results if r.key.noise == GAUSSIAN.name}
+    return judge(chances or None, evidence or None, known, caveats)
 
 
 def judge(

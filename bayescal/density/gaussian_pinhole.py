@@ -7,10 +7,11 @@ from functools import cached_property
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
+from bayescal.density.joint_data import JointData
 from bayescal.density.pinhole import FRAME_TAU, PinholeModel
-from bayescal.density.pinhole_fit import LOG_2PI, JointData, PinholeFit
+from bayescal.density.pinhole_fit import PinholeFit
 from bayescal.density.pinhole_laplace import laplace, likely_start
 from bayescal.noise.gaussian import Gaussian
 from bayescal.prior.camera import PinholePrior

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bayescal.arrays import Array
-from bayescal.linear.evidence import LOG_2PI, Projection, Reduced, log_joint, tau_rule
+from bayescal.arrays import LOG_2PI, Array
+from bayescal.linear.evidence import Projection, Reduced, log_joint, tau_rule
 from bayescal.linear.quadrature import Accuracy, Rule, panels
 from bayescal.noise.level import NoiseLevel
 from bayescal.polynomials.axis_data import AxisData

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import PinholeGeometry
-from bayescal.density.pinhole_fit import JointData, PinholeFit
+from bayescal.density.joint_data import JointData
+from bayescal.density.pinhole_fit import PinholeFit
 from bayescal.density.pinhole_laplace import Normal
 from bayescal.noise.model import NoiseModel
 from bayescal.points.setup import AXES

@@ -16,79 +16,18 @@ from bayescal.arrays import Array, frozen
 from bayescal.cameras.direct_linear import FLAT, direct_linear, flatness
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
 from bayescal.cameras.pose import rotation_vectors
+from bayescal.density.joint_data import JointData
 from bayescal.errors import InputError
-from bayescal.noise.level import NoiseLevel
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.prior.camera import PinholePrior
 
-LOG_2PI = math.log(2 * math.pi)
 # A climb that takes more creeps along a valley, of a lens that folds its image for one.
 MOST_ROUNDS, MOST_EVALUATIONS = 30, 200
 TOLERANCE = 1e-12  # of the log likelihood, relative
 # ln L by which a mirrored world must fit better to say that an axis is mirrored.
 MIRRORED = 10.0
 BEHIND = 1e8  # residual of a point without an image, in sigmas
-
-
-@dataclass(frozen=True, eq=False)
-class JointData:
-    """Pixels of both axes with what is known of their noise.
-
-    Attributes
-    ----------
-    pixels : Array
-        r and c, ``(2, n_points)``, px.
-    sd : tuple
-        Known deviations of each axis, ``(n_points,)``, px, or None.
-    levels : tuple of NoiseLevel
-        Of r and of c.
-    """
-
-    pixels: Array
-    sd: tuple[Array | None, Array | None]
-    levels: tuple[NoiseLevel, NoiseLevel]
-
-    @property
-    def n(self) -> int:
-        """Number of points."""
-        return len(self.pixels[0])
-
-    @property
-    def deviations(self) -> Array:
-        """Known deviations, ``(2, n_points)``; 1 where sigma is one for all points."""
-        return np.stack([np.ones(self.n) if sd is None else sd for sd in self.sd])
-
-    @property
-    def inferred(self) -> tuple[bool, bool]:
-        """Whether each axis's sigma is inferred."""
-        return self.levels[0].value is None, self.levels[1].value is None
-
-    def log_likelihood(self, rss: Array) -> float:
-        """Maximised over sigma where it is inferred; `rss` of each axis, weighted, ``(2,)``."""
-        total = -float(np.log(self.deviations).sum()) - self.n * LOG_2PI
-        for level, q in zip(self.levels, rss.tolist(), strict=True):
-            if level.value is None:
-                total -= self.n / 2 * (math.log(max(q, 1e-300) / self.n) + 1)
-            else:
-                total -= q / level.value**2 / 2 + self.n * math.log(level.value)
-        return total
-
-    def bounded_sigma(self, rss: Array) -> Array:
-        """Sigma of each axis: known, or most probable within its bounds; `rss` ``(2,)``."""
-        found = []
-        for level, q in zip(self.levels, rss.tolist(), strict=True):
-            if level.bounds is None:
-                found.append(level.value)
-            else:
-                found.append(min(max(math.sqrt(q / self.n), level.bounds[0]), level.bounds[1]))
-        return np.array(found)
-
-    def bounded_log_likelihood(self, rss: Array) -> float:
-        """Maximised over sigma within its bounds, which residuals of no noise would leave."""
-        sigma = self.bounded_sigma(rss)
-        constant = -float(np.log(self.deviations).sum()) - self.n * LOG_2PI
-        return constant - float((rss / sigma**2 / 2 + self.n * np.log(sigma)).sum())
 
 
 @dataclass(frozen=True, eq=False)

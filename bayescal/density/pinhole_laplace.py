@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from bayescal.arrays import Array, frozen
+from bayescal.arrays import LOG_2PI, Array, frozen
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
-from bayescal.density.pinhole_fit import JointData
+from bayescal.density.joint_data import JointData
 from bayescal.density.robust_fits import LinearPixels
 from bayescal.prior.camera import PinholePrior
 
@@ -24,7 +24,6 @@ MOST_STEPS = 60
 HALVINGS = 12
 SETTLED = 1e-8  # nat that a step gains
 STEP = 1e-30
-LOG_2PI = math.log(2 * math.pi)
 
 
 @dataclass(frozen=True, eq=False)

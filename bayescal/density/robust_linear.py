@@ -8,10 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.density.trimmed import trimmed_fits
 from bayescal.errors import InputError
-from bayescal.noise.gaussian import LOG_2PI
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.model import NoiseModel
 from bayescal.polynomials.axis_data import AxisData

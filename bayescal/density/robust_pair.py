@@ -147,10 +147,8 @@ def paired(r: SampledPosterior, c: SampledPosterior, model: RobustPair) -> Sampl
         max(r.chain.autocorrelation_time, c.chain.autocorrelation_time),
         r.chain.converged and c.chain.converged,
     )
-    summaries = summarise(model.names, chain)
-    return SampledPosterior(
-        model, chain, everything, summaries, _sum(r.estimate, c.estimate), _modes(r, c)
-    )
+    summaries, evidence = summarise(model.names, chain), _sum(r.estimate, c.estimate)
+    return SampledPosterior(chain, summaries, model, everything, evidence, _modes(r, c))
 
 
 def _alike(

@@ -21,8 +21,9 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import PinholeGeometry
 from bayescal.density.gaussian_pinhole import GaussianPinhole
+from bayescal.density.joint_data import JointData
 from bayescal.density.pinhole import FRAME_TAU, PinholeModel
-from bayescal.density.pinhole_fit import JointData, PinholeFit
+from bayescal.density.pinhole_fit import PinholeFit
 from bayescal.density.pinhole_laplace import Normal, laplace, likely_start, linear_pixels
 from bayescal.density.robust_fits import RobustFit, robust_fits
 from bayescal.noise.level import NoiseLevel

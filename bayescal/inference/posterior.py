@@ -1,25 +1,26 @@
-"""A sampled posterior, summarised and checked against the closed form."""
+"""Draws of a model, summarised: what every posterior offers, however it is checked."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.coordinates import Whitening
-from bayescal.inference.proposal import LinearProposal, Proposal
-from bayescal.inference.sampling import Chain, sample
-from bayescal.inference.target import log_prob
-from bayescal.linear.closed_form import ExactPosterior, exact_posterior
+from bayescal.inference.sampling import Chain
+from bayescal.linear.closed_form import ExactPosterior
+from bayescal.linear.evidence import NEAR_BOUND
 from bayescal.linear.model import LinearModel
 from bayescal.markup import table
 from bayescal.rounding import rounded, significant
 
-# A mean or sd further than this many Monte Carlo standard errors from the closed
-# form is an error of the program, not of chance.
-AGREEMENT = 5.0
+if TYPE_CHECKING:  # a closed form needs none of these
+    from bayescal.inference.estimate import EvidenceEstimate
+    from bayescal.inference.optimum import Mode
+    from bayescal.inference.sampled_model import SampledModel
+
 INTERVAL_PROBABILITY = 0.95
 
 
@@ -60,19 +61,92 @@ class ParameterSummary:
     deviation: float | None = None
 
 
+class Posterior(Protocol):
+    """Draws of emcee with their summaries, the evidence, and what tells whether to trust both."""
+
+    @property
+    def model(self) -> LinearModel | SampledModel:
+        """What the draws are of."""
+        ...
+
+    @property
+    def chain(self) -> Chain:
+        """Draws of the reported parameters, and of what was sampled."""
+        ...
+
+    @property
+    def full(self) -> Array:
+        """Completed draws, ``(n_chains, n_draws, n_full)``."""
+        ...
+
+    @property
+    def parameters(self) -> tuple[ParameterSummary, ...]:
+        """One for each reported parameter, in the order of the draws' last axis."""
+        ...
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        ...
+
+    @property
+    def exact(self) -> ExactPosterior | None:
+        """The closed form; None where there is none."""
+        ...
+
+    @property
+    def log_evidence(self) -> float | None:
+        """Natural log of the evidence; None under a flat prior."""
+        ...
+
+    @property
+    def log_evidence_error(self) -> float | None:
+        """Its error, nat: a bound of the closed form's, else a Monte Carlo standard error."""
+        ...
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the evidence should not be trusted; empty where it can be."""
+        ...
+
+    @property
+    def converged(self) -> bool:
+        """Whether the stopping rule was met."""
+        ...
+
+    @property
+    def sound(self) -> bool:
+        """Whether the draws converged and agree with the closed form, or the evidence is sure."""
+        ...
+
+    @property
+    def agrees_with_exact(self) -> bool | None:
+        """Whether means and sds are those of the closed form; None where there is none."""
+        ...
+
+    @property
+    def estimate(self) -> EvidenceEstimate | None:
+        """The evidence from draws; None where it has a closed form."""
+        ...
+
+    @property
+    def modes(self) -> tuple[Mode, ...]:
+        """Modes that were found, the highest first; none where a closed form knows better."""
+        ...
+
+    def __getitem__(self, name: str) -> ParameterSummary:
+        """Give the summary of a parameter."""
+        ...
+
+    def at_bounds(self, name: str, bounds: tuple[float, float]) -> tuple[float, float]:
+        """Probability that a scale lies within 5 % of its lower, upper bound."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
-class Posterior:
-    """Posterior of one order: draws of emcee, checked against the closed form.
+class Summarised:
+    """What posteriors have in common: a chain and the summaries of its parameters."""
 
-    Attributes
-    ----------
-    exact : ExactPosterior
-    chain : Chain
-    parameters : tuple of ParameterSummary
-        Coefficients, then sigma, then tau, as far as they are inferred.
-    """
-
-    exact: ExactPosterior
     chain: Chain
     parameters: tuple[ParameterSummary, ...]
 
@@ -82,42 +156,37 @@ class Posterior:
         return self.chain.converged
 
     @property
-    def agrees_with_exact(self) -> bool:
-        """Whether every mean and sd is within 5 Monte Carlo errors of the closed form."""
-        return all(p.deviation is None or p.deviation < AGREEMENT for p in self.parameters)
-
-    @property
-    def log_evidence(self) -> float | None:
-        """Natural log of the evidence; None under a flat prior."""
-        return self.exact.log_evidence
-
-    @property
-    def log_evidence_error(self) -> float | None:
-        """Bound on its error, nat; None under a flat prior."""
-        return self.exact.log_evidence_error
-
-    @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters, in the order of the draws' last axis."""
-        return self.exact.model.names
+        return tuple(p.name for p in self.parameters)
 
     def __getitem__(self, name: str) -> ParameterSummary:
         return self.parameters[self.names.index(name)]
 
-    def __repr__(self) -> str:
+    def at_bounds(self, name: str, bounds: tuple[float, float]) -> tuple[float, float]:
+        """Probability that a scale lies within 5 % of its lower, upper bound, of the draws."""
+        values, (low, high) = self.chain.draws[:, :, self.names.index(name)], bounds
+        return (
+            float(np.mean(values < low * (1 + NEAR_BOUND))),
+            float(np.mean(values > high / (1 + NEAR_BOUND))),
+        )
+
+    @property
+    def title(self) -> str:
+        """How many draws there are."""
         chains, draws, _ = self.chain.draws.shape
-        lines = [f"<Posterior: order {self.exact.model.order}, {chains} chains of {draws} draws"]
-        lines += [f"  {p.name} = {p.mean:.6g} +- {p.sd:.2g}" for p in self.parameters]
-        return "\n".join(lines) + ">"
+        return f"{chains} chains of {draws} draws"
+
+    def __repr__(self) -> str:
+        lines = [f"  {p.name} = {p.mean:.6g} +- {p.sd:.2g}" for p in self.parameters]
+        return "\n".join([f"<Posterior: {self.title}", *lines]) + ">"
 
     def _repr_html_(self) -> str:
         """Show the parameters in a notebook."""
-        chains, draws, _ = self.chain.draws.shape
-        return parameters_table(
-            f"Order {self.exact.model.order}, {chains} chains of {draws} draws; coefficients and "
-            "sigma in px (the unit of y for arrays), tau a fraction of the image",
-            self.parameters,
-        )
+        return parameters_table(f"{self.title[0].upper()}{self.title[1:]}{UNITS}", self.parameters)
+
+
+UNITS = "; coefficients and sigma in px (the unit of y for arrays), tau a fraction of the image"
 
 
 def parameters_table(caption: str, parameters: Sequence[ParameterSummary]) -> str:
@@ -137,67 +206,6 @@ def parameters_table(caption: str, parameters: Sequence[ParameterSummary]) -> st
     interval = f"{100 * INTERVAL_PROBABILITY:g}% interval"
     heads = ["parameter", "mean", "sd", interval, "ESS bulk", "ESS tail", "R-hat"]
     return table(caption, heads, rows)
-
-
-def sample_posterior(
-    model: LinearModel,
-    rng: np.random.Generator,
-    ess: int,
-    exact: ExactPosterior | None = None,
-    proposal: Proposal | None = None,
-) -> Posterior:
-    """Sample a linear model's posterior with emcee and check it.
-
-    Parameters
-    ----------
-    model : LinearModel
-    rng : numpy.random.Generator
-    ess : int
-        Effective samples wanted of every parameter.
-    exact : ExactPosterior, optional
-        The closed form, where it is already at hand.
-    proposal : Proposal, optional
-        By default the closed form, interpolated.
-
-    Returns
-    -------
-    Posterior
-    """
-    exact = exact if exact is not None else exact_posterior(model)
-    to_monomials = model.factors.monomials.lead(model.order).T
-
-    def report(theta: Array) -> Array:
-        coefficients = theta[:, : model.size] @ to_monomials
-        return np.concatenate([coefficients, np.exp(theta[:, model.size :])], axis=1)
-
-    chain = sample(
-        lambda theta: log_prob(model, theta),
-        proposal if proposal is not None else LinearProposal(exact),
-        Whitening.of(exact),
-        report,
-        rng,
-        ess,
-    )
-    return posterior_of(exact, chain)
-
-
-def posterior_of(exact: ExactPosterior, chain: Chain) -> Posterior:
-    """Summarise a chain, sampled now or read from a file, beside the closed form."""
-    return Posterior(exact, chain, _summaries(exact, chain))
-
-
-def _summaries(exact: ExactPosterior, chain: Chain) -> tuple[ParameterSummary, ...]:
-    exact_means, exact_sds = exact.summary
-    out = []
-    for j, summary in enumerate(summarise(exact.model.names, chain)):
-        found = chain.diagnostics[j]
-        mean, sd = float(exact_means[j]), float(exact_sds[j])
-        # Errors from the exact moments: a heavy tail the draws missed can't hide itself.
-        error_mean = sd / np.sqrt(found.ess_mean)
-        error_sd = sd * np.sqrt((exact.kurtosis[j] - 1) / 4 / found.ess_sd)
-        deviation = max(abs(summary.mean - mean) / error_mean, abs(summary.sd - sd) / error_sd)
-        out.append(replace(summary, exact_mean=mean, exact_sd=sd, deviation=float(deviation)))
-    return tuple(out)
 
 
 def summarise(names: tuple[str, ...], chain: Chain) -> tuple[ParameterSummary, ...]:

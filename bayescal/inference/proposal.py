@@ -6,9 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
-from bayescal.arrays import Array, IntArray
+from bayescal.arrays import LOG_2PI, Array, IntArray
 from bayescal.linear.closed_form import ExactPosterior
-from bayescal.linear.evidence import LOG_2PI
 from bayescal.noise.level import NoiseLevel
 from bayescal.prior.amplitudes import CoefficientPrior
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TypeAlias
 
 import numpy as np
 from scipy.special import softmax
@@ -16,14 +15,13 @@ from bayescal.inference.coordinates import Whitening
 from bayescal.inference.ensembles import sample_ensembles
 from bayescal.inference.estimate import NOTICEABLE, EvidenceEstimate, estimate_evidence
 from bayescal.inference.optimum import Mode, find_modes
-from bayescal.inference.posterior import ParameterSummary, summarise
+from bayescal.inference.posterior import Summarised, summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampling import Chain
 from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import drawn
 
 EVIDENCE_DRAWS = 20_000
-Guess: TypeAlias = tuple[TMixture, tuple[Mode, ...]]
 # Where a chain does not converge, its evidence can't be trusted or rests on a smaller fraction of
 # the draws than this, the proposal is fitted to that chain's draws, and all is done once more.
 FITTED = 0.2
@@ -33,38 +31,66 @@ LEAST, WIDENED = 1e-3, 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class SampledPosterior:
+class Guess:
+    """A proposal that knows a model's shape, and the modes it comes from, the highest first."""
+
+    proposal: TMixture
+    modes: tuple[Mode, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SampledPosterior(Summarised):
     """Posterior of a sampled model: draws of emcee and an estimate of the evidence.
 
     Attributes
     ----------
     model : SampledModel
-    chain : Chain
     full : Array
         Completed draws, ``(n_chains, n_draws, n_full)``.
-    parameters : tuple of ParameterSummary
-        Without a closed form.
     estimate : EvidenceEstimate
     modes : tuple of Mode
         The highest first.
     """
 
     model: SampledModel
-    chain: Chain
     full: Array
-    parameters: tuple[ParameterSummary, ...]
     estimate: EvidenceEstimate
     modes: tuple[Mode, ...]
 
     @property
-    def converged(self) -> bool:
-        """Whether the stopping rule was met."""
-        return self.chain.converged
+    def exact(self) -> None:
+        """There is no closed form."""
+        return
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the parameters, in the order of the draws' last axis."""
-        return self.model.names
+    def agrees_with_exact(self) -> None:
+        """There is nothing to agree with."""
+        return
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the evidence should not be trusted; empty where it can be."""
+        return self.estimate.warnings
+
+    @property
+    def sound(self) -> bool:
+        """Whether the draws converged and the evidence can be trusted."""
+        return self.converged and self.estimate.certain
+
+    @property
+    def completed(self) -> Array:
+        """Completed draws one after the other, ``(n_draws, n_full)``."""
+        return self.full.reshape(-1, self.full.shape[2])
+
+    @property
+    def heaviest(self) -> float:
+        """Share of all that one draw has."""
+        return 1 / len(self.completed)
+
+    @property
+    def effective(self) -> float:
+        """Fewest effective draws of a parameter."""
+        return min(p.ess_bulk for p in self.parameters)
 
     @property
     def log_evidence(self) -> float:
@@ -75,15 +101,6 @@ class SampledPosterior:
     def log_evidence_error(self) -> float:
         """Monte Carlo standard error of the log evidence, nat."""
         return self.estimate.error
-
-    def __getitem__(self, name: str) -> ParameterSummary:
-        return self.parameters[self.names.index(name)]
-
-    def __repr__(self) -> str:
-        chains, draws, _ = self.chain.draws.shape
-        lines = [f"<SampledPosterior: {chains} chains of {draws} draws"]
-        lines += [f"  {p.name} = {p.mean:.6g} +- {p.sd:.2g}" for p in self.parameters]
-        return "\n".join(lines) + ">"
 
 
 def sample_model(
@@ -101,9 +118,8 @@ def sample_model(
     rng : numpy.random.Generator
     ess : int
         Effective samples wanted of every parameter.
-    guess : tuple of TMixture and modes, optional
-        A proposal that knows the model's shape, with the modes it comes from; by default
-        one is adapted to the density.
+    guess : Guess, optional
+        By default a proposal is adapted to the density.
     evidence_draws : int, optional
         Draws of the proposal that the evidence is taken from.
 
@@ -125,7 +141,7 @@ def sample_model(
             )
         adapted = adapt(model.log_prob, modes, for_proposal)
     else:
-        proposal, modes = guess
+        proposal, modes = guess.proposal, guess.modes
         # The last component spans the whole posterior.
         root = proposal.roots[-1]
         adapted = Adapted(proposal, proposal.means[-1], root @ root.T)
@@ -171,7 +187,7 @@ def _attempt(
         ess,
     )
     estimate = _estimated(model, modes, adapted.proposal, chain, for_evidence, evidence_draws)
-    return SampledPosterior(model, chain, full, summarise(model.names, chain), estimate, modes)
+    return SampledPosterior(chain, summarise(model.names, chain), model, full, estimate, modes)
 
 
 def _estimated(

@@ -14,9 +14,10 @@ from dataclasses import asdict
 import numpy as np
 
 from bayescal.inference.arviz_bridge import Diagnostics, Draws
+from bayescal.inference.checked_posterior import CheckedPosterior, posterior_of
 from bayescal.inference.estimate import EvidenceEstimate
 from bayescal.inference.optimum import Mode
-from bayescal.inference.posterior import Posterior, posterior_of, summarise
+from bayescal.inference.posterior import Posterior, summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.sampling import Chain
@@ -25,18 +26,24 @@ from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.model import LinearModel
 
 
-def packed(posterior: Posterior | SampledPosterior | WeightedDraws) -> Draws:
-    """Arrange a posterior of whatever kind."""
-    if isinstance(posterior, SampledPosterior):
-        return pack_sampled(posterior)
-    if isinstance(posterior, WeightedDraws):
-        return pack_weighted(posterior)
-    return pack(posterior.chain, posterior.names)
+def packed(kept: Posterior | WeightedDraws) -> Draws:
+    """Arrange draws of whatever kind."""
+    if isinstance(kept, WeightedDraws):
+        return pack_weighted(kept)
+    draws = pack(kept.chain, kept.names)
+    if kept.estimate is not None:  # no closed form gives the evidence and the rest again
+        draws.groups["unconstrained_posterior"]["full"] = kept.full
+        draws.values["estimate"] = asdict(kept.estimate)
+        draws.values["modes"] = [
+            {"theta": m.theta.tolist(), "value": m.value, "root": m.root.tolist()}
+            for m in kept.modes
+        ]
+    return draws
 
 
 def unpacked(
     draws: Draws, model: LinearModel | SampledModel
-) -> Posterior | SampledPosterior | WeightedDraws:
+) -> CheckedPosterior | SampledPosterior | WeightedDraws:
     """Undo `packed`, to the last bit, for the model that the draws are of.
 
     Raises
@@ -119,25 +126,8 @@ def unpack(draws: Draws, names: tuple[str, ...]) -> Chain:
     return chain
 
 
-def pack_sampled(posterior: SampledPosterior) -> Draws:
-    """Arrange a posterior without a closed form: its chain, completed draws and evidence.
-
-    Parameters
-    ----------
-    posterior : SampledPosterior
-    """
-    draws = pack(posterior.chain, posterior.names)
-    draws.groups["unconstrained_posterior"]["full"] = posterior.full
-    draws.values["estimate"] = asdict(posterior.estimate)
-    draws.values["modes"] = [
-        {"theta": m.theta.tolist(), "value": m.value, "root": m.root.tolist()}
-        for m in posterior.modes
-    ]
-    return draws
-
-
 def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
-    """Undo `pack_sampled`, to the last bit.
+    """Undo `packed`, to the last bit.
 
     Parameters
     ----------
@@ -161,8 +151,7 @@ def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
         full = draws.groups["unconstrained_posterior"]["full"]
     except (KeyError, TypeError) as error:
         raise ValueError(f"lacks {error}") from None
-    summaries = summarise(model.names, chain)
-    return SampledPosterior(model, chain, full, summaries, estimate, modes)
+    return SampledPosterior(chain, summarise(model.names, chain), model, full, estimate, modes)
 
 
 def pack_weighted(draws: WeightedDraws) -> Draws:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.linear.model import LinearModel
-
-LOG_2PI = float(np.log(2 * np.pi))
 
 
 def log_prob(model: LinearModel, theta: Array) -> Array:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import softmax
 
 from bayescal.arrays import Array
+from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.t_mixture import TMixture
 
@@ -29,6 +31,26 @@ class WeightedDraws:
     model: SampledModel
     log_weights: Array
     full: Array
+
+    @cached_property
+    def estimate(self) -> EvidenceEstimate:
+        """Evidence by importance sampling alone."""
+        return from_weights(self.log_weights)
+
+    @property
+    def completed(self) -> Array:
+        """Completed draws, ``(n_draws, n_full)``."""
+        return self.full
+
+    @property
+    def effective(self) -> float:
+        """Effective number of draws."""
+        return self.estimate.effective_fraction * self.estimate.draws
+
+    @property
+    def heaviest(self) -> float:
+        """Share of the weight of all that one draw has."""
+        return float(softmax(self.log_weights).max())
 
 
 def drawn(

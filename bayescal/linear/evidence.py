@@ -20,12 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.linear.quadrature import COARSE, FINE, POINT, Accuracy, Rule, follow, interval
 from bayescal.noise.level import NoiseLevel
 from bayescal.prior.amplitudes import CoefficientPrior
 
-LOG_2PI = float(np.log(2 * np.pi))
 # "Piling up at a bound": this much of sigma's posterior within this fraction of it.
 NEAR_BOUND = 0.05
 # Range of ln tau that a rule's own number of nodes is for.

@@ -63,3 +63,6 @@ NOISE_MODELS: dict[str, Callable[[NoiseChoice, float], NoiseModel]] = {
         (WIDTH_BOUNDS[0] * pixel, WIDTH_BOUNDS[1] * pixel), choice.bad_offset
     ),
 }
+
+# Their names as they stand in a sentence.
+NOISE_WORDS = {"gaussian": "Gaussian", "student-t": "Student-t", "outlier-mixture": "mixture"}

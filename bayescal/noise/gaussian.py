@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.noise.model import scales
-
-LOG_2PI = float(np.log(2 * np.pi))
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import expit, log_ndtr, ndtr, ndtri
 
-from bayescal.arrays import Array
-from bayescal.noise.gaussian import LOG_2PI, log_normal
+from bayescal.arrays import LOG_2PI, Array
+from bayescal.noise.gaussian import log_normal
 from bayescal.noise.model import scales
 from bayescal.prior.probit import log_value
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bayescal.arrays import Array, frozen
+from bayescal.arrays import LOG_2PI, Array, frozen
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
 from bayescal.cameras.pose import rotations
 from bayescal.errors import InputError
@@ -29,7 +29,6 @@ from bayescal.polynomials.separable import axis_pixel
 from bayescal.prior.amplitudes import check_tau, tau_bounds
 from bayescal.prior.strength import Strength
 
-LOG_2PI = float(np.log(2 * np.pi))
 POSITION_SHARE = 0.1  # of the points' median distance from the camera
 FINEST_SHARE = 1e-10  # of the points' distance: the least sd of a position that is inferred
 ROTATION_SD = math.radians(30.0)

@@ -20,9 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammainc, gammaincc, gammainccinv, gammaincinv, gammaln
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 
-LOG_2PI = math.log(2 * math.pi)
 # Below it the integrand does not depend on q any more (and q = 0 would be 0 / 0).
 SMALLEST = 1e-30
 # Below it an incomplete gamma function comes from a series, before it underflows: many

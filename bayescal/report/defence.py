@@ -7,9 +7,10 @@ from rich.console import Group, RenderableType
 from rich.text import Text
 
 from bayescal.comparison.defence.argument import SMALL_SAMPLE
-from bayescal.comparison.defence.defence import Defence, Prediction
+from bayescal.comparison.defence.results import Defence
 from bayescal.comparison.defence.sensitivity import TauSensitivity
 from bayescal.comparison.defence.stability import joint_probabilities
+from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
 from bayescal.noise.gaussian import GAUSSIAN
@@ -74,14 +75,14 @@ def prediction_lines(axis: AxisComparison, defence: Defence) -> list[str]:
 def _influential(axis: AxisComparison, defence: Defence) -> list[str]:
     """Name the points whose Pareto k at the order shown is beyond the limit."""
     found = defence.prediction.get(axis.chosen.order)
-    if found is None or not found.influential or found.k_limit is None:
+    if found is None or not found.influential or found.psis is None:
         return []
     names = ("points " if len(found.influential) > 1 else "point ") + ", ".join(
         found.influential[:6]
     )
     more = f" and {len(found.influential) - 6} more" if len(found.influential) > 6 else ""
     return [
-        f"Pareto k above {found.k_limit:.2g} at order {axis.chosen.order}: {names}{more}; "
+        f"Pareto k above {found.psis.k_limit:.2g} at order {axis.chosen.order}: {names}{more}; "
         "there PSIS can't be trusted: the draws can't tell what is predicted without the point."
     ]
 
@@ -90,7 +91,7 @@ def left_out(axis: AxisComparison) -> list[str]:
     """Say which answers don't exist under this noise."""
     if axis.noise_model.name == GAUSSIAN.name:
         return []
-    from bayescal.comparison.defence.robust_defence import LEFT_OUT
+    from bayescal.comparison.defence.defence import LEFT_OUT
 
     return [LEFT_OUT]
 
@@ -132,27 +133,21 @@ def prediction_table(axis: AxisComparison, defence: Defence) -> Table:
             number_cell(value, _compact)
             for value in (loo.elpd, loo.se, abs(found.difference), found.difference_se, loo.p_eff)
         ]
-        cells += [Cell(_psis_words(found), found.psis_elpd), Cell(_k_words(found), _k_max(found))]
+        cells += _psis_cells(found.psis)
         rows.append([*cells, *[number_cell(found.group_elpd, _compact)] * grouped])
     spare = ("p eff", "SE", "k max", "PSIS")
     return order_table(list(defence.prediction), columns, rows, axis.verdict.order, spare=spare)
 
 
-def _psis_words(found: Prediction) -> str:
-    if found.psis_elpd is None or found.psis_mcse is None:
-        return ""
-    return f"{_compact(found.psis_elpd)} ± {_compact(found.psis_mcse)}"
-
-
-def _k_max(found: Prediction) -> float | None:
-    return None if found.pareto_k is None else float(found.pareto_k.max())
-
-
-def _k_words(found: Prediction) -> str:
-    largest = _k_max(found)
-    if largest is None:
-        return ""
-    return f"{largest:.2f}" if largest < 10 else "bad"
+def _psis_cells(found: LeaveOneOut | None) -> list[Cell]:
+    """Sum of the terms from draws, and their largest Pareto k."""
+    if found is None or found.largest_k is None:
+        return [Cell(""), Cell("")]
+    k = found.largest_k
+    return [
+        Cell(f"{_compact(found.elpd)} ± {_compact(found.mcse)}", found.elpd),
+        Cell(f"{k:.2f}" if k < 10 else "bad", k),
+    ]
 
 
 def _compact(value: float) -> str:

@@ -64,7 +64,7 @@ def joint_fit_view(found: FamilyComparison) -> RenderableType:
             f"ln L maximised {known.log_likelihood:.3f}, AIC {known.aic:.2f}, BIC {known.bic:.2f}"
         )
     facts = [
-        f"{model.name}: K = {known.n_parameters}, {criteria}",
+        f"{model.key}: K = {known.n_parameters}, {criteria}",
         f"ln evidence {evidence}"
         + ("" if loo is None else f"; elpd {elpd_words(loo)} +- {loo.se:.1f}"),
     ]

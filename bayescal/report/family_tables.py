@@ -6,10 +6,9 @@ from collections.abc import Iterable
 
 from bayescal.comparison.families.results import (
     FamilyComparison,
-    JointLeaveOneOut,
     JointModel,
 )
-from bayescal.comparison.leave_one_out import paired_difference
+from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.verdict import percent
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.report.grid import Cell, Column, Table, number_cell
@@ -41,7 +40,7 @@ def listed(found: FamilyComparison) -> list[int]:
     seen: set[tuple[str, str]] = set()
     out = []
     for i, model in enumerate(found.models):
-        kind = model.name.family, model.name.position
+        kind = model.key.family, model.key.position
         if i < LISTED or kind not in seen:
             out.append(i)
         seen.add(kind)
@@ -74,9 +73,9 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
         flag = "" if m.sound else "!"
         cells.append(
             (
-                Cell(m.name.family),
-                Cell(m.name.order, float(m.name.orders[0])),
-                Cell(m.name.position),
+                Cell(m.key.family),
+                Cell(m.key.order, float(m.key.orders[0])),
+                Cell(m.key.position),
                 Cell(str(m.criteria.n_parameters), m.criteria.n_parameters),
                 number_cell(m.criteria.aic, lambda v: f"{v - lowest_aic:.1f}"),
                 number_cell(m.criteria.bic, lambda v: f"{v - lowest_bic:.1f}"),
@@ -96,7 +95,7 @@ def error_words(error: float) -> str:
     return "exact" if error < EXACT else significant(error, 1)
 
 
-def elpd_words(loo: JointLeaveOneOut) -> str:
+def elpd_words(loo: LeaveOneOut) -> str:
     """Sum of the terms, marked where it should not be trusted."""
     return f"{loo.elpd:.1f}" + "?" * (not loo.reliable)
 
@@ -115,7 +114,7 @@ def parameters_table(model: JointModel) -> Table:
     if model.posterior is None:
         exact = exact_parameters(model)
         rows = [_summary_cells(p.name, p.mean, p.sd, p.interval) for p in exact]
-        return Table((Column(f"{model.name} (exact)", title="parameter"), *heads), tuple(rows))
+        return Table((Column(f"{model.key} (exact)", title="parameter"), *heads), tuple(rows))
     heads += [
         Column("MCSE", "Monte Carlo standard error of the mean"),
         Column("ESS", "the smaller of bulk and tail effective sample size"),
@@ -132,7 +131,7 @@ def parameters_table(model: JointModel) -> Table:
                 Cell(f"{p.rhat:.3f}", p.rhat),
             )
         )
-    head = Column(str(model.name), title="parameter")
+    head = Column(str(model.key), title="parameter")
     return Table((head, *heads), tuple(cells), spare=("MCSE",))
 
 

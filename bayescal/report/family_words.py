@@ -33,7 +33,7 @@ def assumed_lines(found: FamilyComparison) -> list[tuple[str, str]]:
     shape = shape_words(found.settings.choice.model(1.0))
     pairs = [("noise", f"{shape}; sigma of r {r}; sigma of c {c}")]
     pairs += [("prior", line) for line in found.priors]
-    if any(m.name.family == PINHOLE for m in found.models):
+    if any(m.key.family == PINHOLE for m in found.models):
         pairs.append(("distortion", f"radial, in {found.request.radial} powers of the radius"))
     return pairs
 
@@ -47,7 +47,7 @@ def no_criteria(found: FamilyComparison) -> str:
 
 def power_words(model: JointModel) -> list[str]:
     """Say which power of a coefficient's name is whose, where it has two."""
-    if model.name.family != bivariate.NAME:
+    if model.key.family != bivariate.NAME:
         return []
     return ["first power: of x/z in r (alpha), of y/z in c (beta); second: of the other."]
 
@@ -68,12 +68,12 @@ def fit_words(model: JointModel) -> str | None:
         return None
     assert good.chi2_reduced_sd is not None, "there are degrees of freedom"
     words = (
-        f"chi-squared of {model.name}: {good.chi2:.1f} with {good.dof} dof, reduced "
+        f"chi-squared of {model.key}: {good.chi2:.1f} with {good.dof} dof, reduced "
         f"{good.chi2_reduced:.2f} (1 +- {good.chi2_reduced_sd:.2f} expected)"
     )
     if good.p_value is not None and good.p_value_lower is not None:
         words += f", p {p_words(good.p_value)} (lower tail {p_words(good.p_value_lower)})"
-    if model.name.family == PINHOLE or model.name.position == FREE:
+    if model.key.family == PINHOLE or model.key.position == FREE:
         words += "; dof of a non-linear model are approximate"
     return f"{words}."
 

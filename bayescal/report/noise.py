@@ -46,7 +46,7 @@ def robust_footnotes(axis: AxisComparison) -> list[str]:
     ]
     if isinstance(axis.noise_model, OutlierMixture):
         lines.append("Bad points: more probably bad than good, the worst first.")
-    if any(r.evidence_warnings for r in axis.orders):
+    if any(r.warnings for r in axis.orders):
         lines.append(f"{MARK} marks an evidence that should not be trusted; the caveats say why.")
     return lines
 

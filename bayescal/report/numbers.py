@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 from bayescal.arrays import Array
 from bayescal.comparison.results import OrderResult
 from bayescal.comparison.weak import correlation
-from bayescal.inference.posterior import INTERVAL_PROBABILITY, Posterior
+from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.points.setup import AXES
 
 if TYPE_CHECKING:  # Gaussian noise on one axis does not pay for what it does not need
@@ -38,14 +38,14 @@ class PointChances:
 
 def point_chances(result: OrderResult) -> PointChances | None:
     """Say what robust noise finds of every point; None where the noise is Gaussian."""
-    posterior = result.posterior
-    if isinstance(posterior, Posterior):
+    if result.exact is not None:
         return None
     from bayescal.density.robust_linear import RobustLinearModel
 
-    model, full = posterior.model, posterior.full.reshape(-1, posterior.full.shape[2])
+    model, full = result.posterior.model, result.posterior.full
     if not isinstance(model, RobustLinearModel):
         return None
+    full = full.reshape(-1, full.shape[2])
     bad = model.bad_probability(full)
     weight = model.weight(full).mean(axis=0)
     return PointChances(None if bad is None else bad.mean(axis=0), weight)

@@ -120,11 +120,11 @@ def opencv_camera(found: FamilyComparison) -> OpenCVCamera:
         Where the model is no pinhole, or its distortion none of OpenCV's.
     """
     best = found.best
-    check_opencv(best.name.family, best.name.orders[0], found.request.radial)
+    check_opencv(best.key.family, best.key.orders[0], found.request.radial)
     posterior, setup = best.posterior, found.points.setup
+    model = best.camera
     assert posterior is not None, "pinholes are sampled"
-    model = posterior.model
-    assert isinstance(model, PinholeModel), "it is one"
+    assert model is not None, "it is one"
     theta = model.coordinates(posterior.full.reshape(-1, posterior.full.shape[2]))
     # In the free coordinates the posterior is nearly normal; a position held fixed stays so.
     middle = model.geometry.full(model.geometry.free(theta).mean(axis=0, keepdims=True))
@@ -139,7 +139,7 @@ def opencv_camera(found: FamilyComparison) -> OpenCVCamera:
     draws[nearer, 4:7] = other[nearer]
     fx, fy, cx, cy = mean[0, :4].tolist()
     k = np.zeros(LARGEST_ORDER)
-    order = best.name.orders[0]
+    order = best.key.orders[0]
     k[:order] = mean[0, POSE:]
     inferred = np.ones(draws.shape[1], dtype=bool)
     if model.geometry.fixed is not None:  # t follows from R where the position is stated

@@ -77,7 +77,7 @@ def points_table(axis: AxisOutliers, *, everything: bool = True) -> Table:
     """
     unit = "y" if axis.data.axis == "y" else "px"
     shown = axis.points if everything else axis.points[: max(len(axis.suspicious) + 2, SHOWN)]
-    winner = axis.treatments[0].evidence.order
+    winner = axis.treatments[0].order
     columns = (
         Column("point"),
         Column("y" if unit == "y" else f"{axis.data.axis} px", "measured"),
@@ -123,7 +123,7 @@ def _span(orders: tuple[int, ...]) -> str:
 
 def footnotes(axis: AxisOutliers, significance: float, *, everything: bool) -> list[str]:
     """Say what the table of the points does not."""
-    winner = axis.treatments[0].evidence
+    winner = axis.treatments[0]
     values = winner.log_evidence
     rest = [v for k, v in values.items() if k != winner.order]
     lines = [
@@ -150,7 +150,7 @@ def footnotes(axis: AxisOutliers, significance: float, *, everything: bool) -> l
 
 def treatments_table(axis: AxisOutliers) -> Table:
     """Compare the orders under each way of treating bad points."""
-    orders = list(axis.treatments[0].evidence.log_evidence)
+    orders = list(axis.treatments[0].log_evidence)
     columns = (
         Column("bad points"),
         Column("n", "points"),
@@ -162,21 +162,20 @@ def treatments_table(axis: AxisOutliers) -> Table:
     return Table(columns, tuple(_treatment(axis, t, orders) for t in axis.treatments))
 
 
-def _treatment(axis: AxisOutliers, treatment: Treatment, orders: list[int]) -> tuple[Cell, ...]:
-    found = treatment.evidence
-    whole = treatment.n_points == len(axis.data)
+def _treatment(axis: AxisOutliers, found: Treatment, orders: list[int]) -> tuple[Cell, ...]:
+    whole = found.n_points == len(axis.data)
     cells = [
         Cell(f"{found.log_evidence[k]:.1f}{MARK * (k in found.warnings)}", found.log_evidence[k])
         for k in orders
     ]
     name = (
-        treatment.name.replace("Gaussian noise without", "without")
+        found.name.replace("Gaussian noise without", "without")
         .replace("Gaussian noise, nothing eliminated", "none eliminated")
         .replace("the outlier mixture", "mixture")
     )
     return (
         Cell(name),
-        Cell(str(treatment.n_points), treatment.n_points),
+        Cell(str(found.n_points), found.n_points),
         *cells,
         Cell(str(found.order), found.order),
         Cell(percent(found.probability[found.order]), found.probability[found.order]),

@@ -64,7 +64,7 @@ def _rss(result: OrderResult) -> Cell:
 
 
 def _evidence(result: OrderResult) -> Cell:
-    mark = MARK * bool(result.evidence_warnings)
+    mark = MARK * bool(result.warnings)
     return number_cell(result.log_evidence, lambda v: f"{v:.2f}{mark}")
 
 
@@ -74,7 +74,7 @@ def error_cell(result: OrderResult) -> Cell:
 
 
 def _chance(result: OrderResult) -> Cell:
-    mark = MARK * bool(result.evidence_warnings)
+    mark = MARK * bool(result.warnings)
     return number_cell(result.probability, lambda v: percent(v) + mark)
 
 

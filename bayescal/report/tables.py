@@ -8,7 +8,6 @@ from functools import partial
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
-from bayescal.inference.posterior import Posterior
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.grid import Cell, Column, Table, number_cell, order_table
 from bayescal.rounding import rounded, significant
@@ -156,7 +155,7 @@ def facts(axis: AxisComparison, result: OrderResult) -> tuple[tuple[str, str], .
     """Everything that is one number about one order: its name and itself."""
     good, found = result.goodness, result.criteria
     posterior = result.posterior
-    kind = "quadrature" if isinstance(posterior, Posterior) else "Monte Carlo"
+    kind = "quadrature" if posterior.exact is not None else "Monte Carlo"
     return (
         ("order", f"{result.order} ({result.order + 1} coefficients, K = {found.n_parameters})"),
         ("residual sum of squares", f"{result.rss_px2:.6g} px²"),

@@ -10,7 +10,7 @@ import pytest
 import bayescal as bc
 from bayescal.comparison.caveats import caveats
 from bayescal.comparison.results import OrderResult
-from bayescal.inference.posterior import sample_posterior
+from bayescal.inference.checked_posterior import sample_posterior
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.points.notes import point_notes
 from bayescal.points.setup import Setup

@@ -37,13 +37,14 @@ def test_what_has_no_meaning_is_none_and_what_has_is_there(defended):
 def test_its_defence_is_what_exists_without_a_closed_form(defended):
     defence = defended.axes["c"].defence
     assert set(defence.prediction) == {1, 2}
-    assert defence.prediction[1].psis_elpd == defence.prediction[1].loo.elpd
+    assert defence.prediction[1].psis.elpd == defence.prediction[1].loo.elpd
     assert (defence.tau, defence.resampled, defence.groups_that_matter) == (None, (), ())
     assert defence.beyond.orders == (3, 4, 5)
-    assert [n.name for n in defence.noises] == ["gaussian", "outlier-mixture"]
+    assert [n.key.noise for n in defence.noises] == ["gaussian", "outlier-mixture"]
     # Truth: the closed form of the same order, which the defence of Student-t noise quotes.
     gaussian = bc.compare(bc.thesis(), [1], axis="c", ess=400).axes["c"].orders[0]
-    quoted = defence.noises[0].log_evidence[defended.axes["c"].verdict.order]
+    assert defence.noises[0].key.orders == (defended.axes["c"].verdict.order,)
+    quoted = defence.noises[0].log_evidence
     assert quoted == pytest.approx(gaussian.log_evidence, abs=1e-9)
 
 

@@ -73,8 +73,8 @@ def test_one_set_of_draws_wherever_a_model_is_shown():
     compared = bc.compare(points, [2], axis="r", noise="student-t", hint=False, **how)
     draws = compared.axes["r"][2].posterior.full
     study = bc.outliers(points, [2], axis="r", **how).axes["r"]
-    (heavy,) = (t.evidence for t in study.treatments if t.evidence.name == "student-t")
-    assert np.array_equal(heavy.posteriors[2].full, draws)
+    (heavy,) = (t for t in study.treatments if t.noise == "student-t")
+    assert np.array_equal(heavy.orders[0].posterior.full, draws)
     pair = bc.fit_family(points, "separable", (2, 1), noise="student-t", **how).models[0].posterior
     assert isinstance(pair.model, RobustPair)
     kept = pair.model.apart(pair.full.reshape(-1, pair.full.shape[2]))[0]
@@ -82,7 +82,7 @@ def test_one_set_of_draws_wherever_a_model_is_shown():
     assert len(kept) > 400
     assert all(row.tobytes() in rows for row in np.ascontiguousarray(kept))
     defended = bc.compare(points, [2], axis="r", defend=True, hint=False, **how).axes["r"].defence
-    (other,) = (n for n in defended.noises if n.name == "student-t")
-    assert other.log_evidence[2] == compared.axes["r"][2].log_evidence
+    (other,) = (n for n in defended.noises if n.key.noise == "student-t")
+    assert other.log_evidence == compared.axes["r"][2].log_evidence
     another = bc.compare(points, [2], axis="r", noise="student-t", hint=False, seed=6, ess=400)
     assert not np.array_equal(another.axes["r"][2].posterior.full, draws)  # negative control

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.families.models import noise_levels, pinhole_model
+from bayescal.comparison.families.models import gaussian_pinhole, noise_levels, robust_pinhole
 from bayescal.comparison.settings import Settings
 from bayescal.density.pinhole_coordinates import suited
 from bayescal.density.pinhole_fit import fit_pinhole
@@ -24,7 +24,8 @@ def stated_to(sd):
 def model_of(points, order, position="free", noise="gaussian"):
     settings = Settings(defend=False, noise=noise)
     levels = noise_levels(points, settings, 1)
-    return pinhole_model(points, order, position, "even", levels.data, settings)
+    make = gaussian_pinhole if noise == "gaussian" else robust_pinhole
+    return make(points, order, position, "even", levels.data, settings)
 
 
 def evidence(model, seed=0):

@@ -8,7 +8,7 @@ from scipy import stats
 
 import bayescal as bc
 from bayescal.comparison.families.models import free_model, moving_axes
-from bayescal.comparison.families.robust import _axis_model
+from bayescal.comparison.orders import RobustOrder
 from bayescal.comparison.settings import Settings
 from bayescal.density.position_search import position_mode
 from bayescal.density.robust_pair import RobustPair, paired
@@ -25,8 +25,15 @@ MIXTURE = Settings(noise="outlier-mixture", defend=False)
 TRUE = np.array([330.0, 57.0, -15.0])
 
 
+def axis_model(axis, order, settings):
+    return RobustOrder.of(axis, order, settings.choice.model(1.0)).model
+
+
 def free_robust_model(points, pair, orders, settings, prior=None):
-    r, c = (_axis_model(axis, k, settings) for axis, k in zip(pair, orders, strict=True))
+    r, c = (
+        RobustOrder.of(axis, k, settings.choice.model(1.0)).model
+        for axis, k in zip(pair, orders, strict=True)
+    )
     moving = moving_axes(points, pair, orders)
     return RobustFreePosition.of((r, c), moving, prior or position_prior(points))
 
@@ -106,7 +113,7 @@ def test_a_position_known_exactly_leaves_the_two_axes(settings):
 def test_a_pair_is_the_product_of_its_axes():
     pair = axes(separable)
     r, c = (
-        sample_model(_axis_model(axis, k, HEAVY), np.random.default_rng(k), 400)
+        sample_model(axis_model(axis, k, HEAVY), np.random.default_rng(k), 400)
         for axis, k in zip(pair, (3, 1), strict=True)
     )
     model = RobustPair((r.model, c.model))

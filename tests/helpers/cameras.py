@@ -6,7 +6,7 @@ import numpy as np
 
 import bayescal as bc
 from bayescal.cameras.pinhole import PinholeGeometry
-from bayescal.density.pinhole_fit import JointData
+from bayescal.density.joint_data import JointData
 from bayescal.noise.level import NoiseLevel
 from bayescal.points.camera import StatedCamera
 from bayescal.points.correspondences import Correspondences

@@ -10,7 +10,8 @@ import numpy as np
 from scipy.special import digamma, gammaln, polygamma
 from scipy.stats import multivariate_normal
 
-from bayescal.inference.target import LOG_2PI, log_prob
+from bayescal.arrays import LOG_2PI
+from bayescal.inference.target import log_prob
 from bayescal.linear.model import LinearModel
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import legendre_design

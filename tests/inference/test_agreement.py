@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 import pytest
 
-from bayescal.inference.posterior import Posterior, sample_posterior
+from bayescal.inference.checked_posterior import CheckedPosterior, sample_posterior
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.model import LinearModel
 from bayescal.prior.amplitudes import CoefficientPrior
@@ -17,7 +17,7 @@ from tests.helpers.wrong_proposals import Misstated
 ESS = 4000
 
 
-def sampled(model: LinearModel, width: float) -> Posterior:
+def sampled(model: LinearModel, width: float) -> CheckedPosterior:
     exact = exact_posterior(model)
     proposal = Misstated(exact, width)
     return sample_posterior(model, np.random.default_rng(9), ESS, exact, proposal)
@@ -50,7 +50,7 @@ def with_prior(model: LinearModel, prior: CoefficientPrior) -> LinearModel:
     return LinearModel(model.factors, model.order, model.noise, prior, model.symbol)
 
 
-def sampled_against(target: LinearModel, truth: LinearModel) -> Posterior:
+def sampled_against(target: LinearModel, truth: LinearModel) -> CheckedPosterior:
     """Sample one model, and check it against the closed form of another."""
     return sample_posterior(target, np.random.default_rng(9), ESS, exact_posterior(truth))
 

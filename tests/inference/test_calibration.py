@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Legendre, Polynomial
 
-from bayescal.inference.posterior import sample_posterior
+from bayescal.inference.checked_posterior import sample_posterior
 from bayescal.inference.target import log_prob
 from scripts.ranks import DRAWS, holm, p_values, ranks
 from tests.helpers.problems import make_axis, make_model

@@ -132,7 +132,7 @@ def test_leave_one_out_from_draws_equals_its_closed_form():
     model = make_model(data, 2)
     exact = leave_one_out(data, exact_posterior(model))
     posterior = sample_model(Wrapped(model, data), np.random.default_rng(1), 4000)
-    sampled = sampled_leave_one_out(posterior)
+    sampled = sampled_leave_one_out(posterior, posterior.model.log_likelihood)
     assert sampled.unreliable == ()
     assert abs(sampled.elpd - exact.elpd) < ERRORS * sampled.mcse
     assert sampled.p_eff - exact.p_eff == pytest.approx(0, abs=ERRORS * sampled.mcse)
@@ -144,7 +144,7 @@ def test_leave_one_out_needs_units():
                              np.random.default_rng(1), 400)  # fmt: skip
     one = Wrapped(posterior.model.model, posterior.model.data)
     object.__setattr__(posterior, "model", OneUnit(one))
-    assert sampled_leave_one_out(posterior) is None
+    assert sampled_leave_one_out(posterior, posterior.model.log_likelihood) is None
 
 
 class OneUnit:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.inference.posterior import sample_posterior
+from bayescal.inference.checked_posterior import sample_posterior
 from bayescal.inference.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.target import log_prob
 from bayescal.linear.closed_form import exact_posterior

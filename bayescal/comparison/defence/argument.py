@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 
 from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.defence.defence import Defence, Prediction
+from bayescal.comparison.defence.results import Defence, Prediction
 from bayescal.comparison.defence.stability import Beyond
 from bayescal.comparison.verdict import AxisVerdict, percent
 from bayescal.rounding import counted, significant

@@ -1,265 +1,174 @@
-"""What a referee asks of a verdict: prediction, prior, other points, other orders."""
+"""What a referee asks of a verdict: prediction, prior, other points, other orders, other noise.
+
+Without a closed form leave-one-out comes from the draws (PSIS) alone, and so do the removals of
+single points; orders beyond the range are sampled. Bootstrap, groups and the evidence over fixed
+tau would take thousands of sampled evidences, and the adequacy tests assume Gaussian noise: they
+are left out, and `LEFT_OUT` says so.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from bayescal.arrays import Array, frozen
-from bayescal.comparison.defence.sensitivity import TauSensitivity, tau_sensitivity
+from bayescal.arrays import Array
+from bayescal.comparison.axis import Axis
+from bayescal.comparison.defence.other_noise import other_noises
+from bayescal.comparison.defence.prediction import gaussian_density, predictions, worth
+from bayescal.comparison.defence.results import Defence
+from bayescal.comparison.defence.sensitivity import tau_sensitivity
 from bayescal.comparison.defence.stability import (
     Beyond,
     Bootstrap,
     Removal,
     beyond,
+    beyond_of,
     bootstrap,
+    orders_beyond,
     removals,
     without_groups,
 )
-from bayescal.comparison.leave_one_out import LeaveOneOut, leave_one_out, paired_difference
-from bayescal.comparison.psis import good_k, thinned
-from bayescal.inference.arviz_bridge import PsisLoo, psis_loo
-from bayescal.inference.posterior import Posterior
-from bayescal.linear.evidence import LOG_2PI
+from bayescal.comparison.leave_one_out import LeaveOneOut
+from bayescal.comparison.order_result import OrderResult
+from bayescal.comparison.orders import RobustOrder
+from bayescal.comparison.psis import Draws, sampled_leave_one_out
+from bayescal.comparison.settings import Settings
+from bayescal.comparison.store import Store
+from bayescal.comparison.verdict import AxisVerdict
+from bayescal.linear.closed_form import ExactPosterior
 from bayescal.linear.model import LinearModel
+from bayescal.noise.model import NoiseModel
 from bayescal.points.groups import Groups
-from bayescal.polynomials.axis_data import AxisData
-from bayescal.polynomials.basis import legendre_design
-from bayescal.prior.amplitudes import PriorRule
 
-if TYPE_CHECKING:
-    from bayescal.comparison.defence.noise_evidence import NoiseEvidence
-
-
-@dataclass(frozen=True, eq=False)
-class Prediction:
-    """Leave-one-out of one order, exact and from the draws.
-
-    Attributes
-    ----------
-    loo : LeaveOneOut
-        Exact.
-    difference, difference_se : float
-        elpd less the best order's, and its paired standard error.
-    group_elpd : float or None
-        Sum of ln p(group | all other points); None where there are no groups.
-    psis_elpd : float or None
-        The sum from the draws (Pareto-smoothed importance sampling); None where the
-        data are too many for it, or a weight's tail has no shape.
-    psis_mcse : float or None
-        Its Monte Carlo standard error.
-    pareto_k : Array or None
-        ``(n_points,)``.
-    k_limit : float or None
-        Good below it: min(1 - 1 / log10 of the number of draws, 0.7) (Vehtari et al.
-        2024).
-    influential : tuple of str
-        Labels of the points beyond it, worst first.
-    """
-
-    loo: LeaveOneOut
-    difference: float
-    difference_se: float
-    group_elpd: float | None
-    psis_elpd: float | None
-    psis_mcse: float | None
-    pareto_k: Array | None = None
-    k_limit: float | None = None
-    influential: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Worth:
-    """How far another order's prediction is from the recommended one's.
-
-    Attributes
-    ----------
-    order : int
-    largest : float
-        Largest difference over the domain, px.
-    sd : float
-        Posterior sd of the larger order's prediction there, px.
-    at : float
-        Regressor where it is.
-    """
-
-    order: int
-    largest: float
-    sd: float
-    at: float
-
-
-@dataclass(frozen=True, eq=False)
-class Defence:
-    """Answers to a referee, on one axis.
-
-    Attributes
-    ----------
-    prediction : dict of int to Prediction
-        By order; empty where leave-one-out does not exist.
-    tau : TauSensitivity or None
-        None where the prior has no tau.
-    group_source : str or None
-        What makes a group: ``"column group"`` or ``"plane z"``.
-    points_that_matter, groups_that_matter : tuple of Removal
-        Whose removal changes the winner.
-    resampled : tuple of Bootstrap
-        By point and, where there are groups, by group.
-    beyond : Beyond or None
-    worth : tuple of Worth
-        Of every other plausible order.
-    noises : tuple of NoiseEvidence
-        Evidence of the recommended order under the other noise models.
-    """
-
-    prediction: dict[int, Prediction]
-    tau: TauSensitivity | None
-    group_source: str | None
-    points_that_matter: tuple[Removal, ...]
-    groups_that_matter: tuple[Removal, ...]
-    resampled: tuple[Bootstrap, ...]
-    beyond: Beyond | None
-    worth: tuple[Worth, ...]
-    noises: tuple[NoiseEvidence, ...] = ()
+LEFT_OUT = (
+    "Not to be had without a closed form: exact leave-one-out (PSIS takes its place), bootstrap, "
+    "removal of groups, the evidence over fixed tau; the adequacy tests assume Gaussian noise."
+)
 
 
 def defend(
-    data: AxisData,
-    models: Mapping[int, LinearModel],
-    posteriors: Mapping[int, Posterior],
-    rule: PriorRule,
-    order: int | None,
-    plausible: tuple[int, ...],
+    axis: Axis,
+    noise: NoiseModel,
+    results: Sequence[OrderResult],
+    verdict: AxisVerdict,
     groups: Groups | None,
+    store: Store,
+    settings: Settings,
     rng: np.random.Generator,
-    wins: Callable[[str], Mapping[int, float] | None] = lambda _: None,
 ) -> Defence:
-    """Answer a referee's questions about one axis.
+    """Answer a referee's questions about one axis; `rng` is the bootstrap's.
 
-    Parameters
-    ----------
-    data : AxisData
-    models, posteriors : mapping of int
-        By order.
-    rule : PriorRule
-    order : int or None
-        The recommended order; None under a flat prior, where only prediction is
-        compared.
-    plausible : tuple of int
-    groups : Groups or None
-    rng : numpy.random.Generator
-        For the bootstrap.
-    wins : callable, optional
-        From ``"point"`` or ``"group"`` to the bootstrap's shares, where an earlier run of
-        the same found them.
-
-    Returns
-    -------
-    Defence
+    Under a flat prior, which recommends no order, only prediction is compared.
     """
-    integrals = {k: p.exact.log_integral for k, p in posteriors.items()}
-    left_out = {k: leave_one_out(data, p.exact) for k, p in posteriors.items()}
-    loos = {k: loo for k, loo in left_out.items() if loo is not None}
-    members = groups.members if groups is not None else None
-    grouped = without_groups(data, models, members) if members is not None else None
-    prediction = _predictions(data, posteriors, loos, integrals, grouped)
-    if order is None:
-        return Defence(prediction, None, groups.source if groups else None, (), (), (), None, ())
-    points = removals(
-        data.labels,
-        [1] * len(data),
-        {k: integrals[k] - loo.pointwise for k, loo in loos.items()},
-        order,
+    exact = {r.order: r.exact for r in results if r.exact is not None}
+    if exact:
+        answers = _in_closed_form(axis, results, exact, verdict.order, groups, store, rng)
+    else:
+        answers = _from_draws(axis, noise, results, verdict.order, store, settings)
+    if verdict.order is None:
+        return answers
+    by_order = {r.order: r for r in results}
+    # No spare point tells the shape of the noise.
+    spare = by_order[verdict.order].fit.dof > 0
+    return replace(
+        answers,
+        worth=worth(axis.data, by_order, verdict.order, verdict.plausible),
+        noises=other_noises(axis, noise, verdict.order, store, settings) if spare else (),
     )
+
+
+def _in_closed_form(
+    axis: Axis,
+    results: Sequence[OrderResult],
+    exact: Mapping[int, ExactPosterior],
+    order: int | None,
+    groups: Groups | None,
+    store: Store,
+    rng: np.random.Generator,
+) -> Defence:
+    data, models = axis.data, {k: e.model for k, e in exact.items()}
+    integrals = {k: e.log_integral for k, e in exact.items()}
+    grouped = None if groups is None else without_groups(data, models, groups.members)
+    psis = {r.order: _psis(axis, r, exact[r.order]) for r in results}
+    by_group = {k: _elpd(integrals[k] - left) for k, left in (grouped or {}).items()}
+    prediction = predictions(data, results, psis, by_group)
+    source = None if groups is None else groups.source
+    if order is None:
+        return Defence(prediction, group_source=source)
+    names, sizes = data.labels, [1] * len(data)
+    without = {r.order: integrals[r.order] - r.loo.pointwise for r in results if r.loo is not None}
+    resampled = [_bootstrap(axis, models, None, store, rng)]
     groups_out: tuple[Removal, ...] = ()
-    resampled = [bootstrap(data, models, rng, known=wins("point"))]
     if groups is not None and grouped is not None:
-        sizes = groups.members.sum(axis=1).astype(int).tolist()
-        groups_out = removals(groups.names, sizes, grouped, order)
-        resampled.append(bootstrap(data, models, rng, groups.members, known=wins("group")))
-    scaled = rule.name == "field"
+        counts = groups.members.sum(axis=1).astype(int).tolist()
+        groups_out = removals(groups.names, counts, grouped, order)
+        resampled.append(_bootstrap(axis, models, groups, store, rng))
     return Defence(
         prediction,
-        tau_sensitivity(models) if scaled else None,
-        groups.source if groups is not None else None,
-        points,
+        tau_sensitivity(models) if axis.rule.name == "field" else None,
+        source,
+        removals(names, sizes, without, order),
         groups_out,
         tuple(resampled),
-        beyond(data, integrals, models[order].noise, rule),
-        tuple(_worth(data, posteriors, order, k) for k in plausible if k != order),
+        beyond(data, integrals, axis.noise, axis.rule),
     )
 
 
-def _predictions(
-    data: AxisData,
-    posteriors: Mapping[int, Posterior],
-    loos: Mapping[int, LeaveOneOut],
-    integrals: Mapping[int, float],
-    grouped: Mapping[int, Array] | None,
-) -> dict[int, Prediction]:
-    if not loos:
-        return {}
-    best = max(loos, key=lambda k: loos[k].elpd)
-    out = {}
-    for k, loo in loos.items():
-        difference, se = paired_difference(loo, loos[best])
-        group = (
-            None
-            if grouped is None or np.isnan(grouped[k]).any()
-            else float((integrals[k] - grouped[k]).sum())
-        )
-        psis = _psis(data, posteriors[k])
-        if psis is None:
-            out[k] = Prediction(loo, difference, se, group, None, None)
-            continue
-        sound = bool(np.isfinite(psis.pointwise).all() and np.isfinite(psis.mcse).all())
-        limit = good_k(psis.influence.shape[1])
-        shape = np.where(np.isfinite(psis.pareto_k), psis.pareto_k, np.inf)
-        worst = [int(i) for i in np.argsort(-shape, kind="stable") if shape[i] >= limit]
-        out[k] = Prediction(
-            loo,
-            difference,
-            se,
-            group,
-            float(psis.pointwise.sum()) if sound else None,
-            psis.mcse_of_sum if sound else None,
-            frozen(shape),
-            limit,
-            tuple(data.labels[i] for i in worst),
-        )
-    return out
+def _psis(axis: Axis, result: OrderResult, exact: ExactPosterior) -> LeaveOneOut | None:
+    """Leave-one-out from the draws, beside the exact one."""
+    posterior = result.posterior
+    theta = posterior.chain.theta.reshape(-1, exact.model.dimension)
+    draws = Draws(theta, min(p.ess_bulk for p in posterior.parameters))
+    return sampled_leave_one_out(draws, gaussian_density(axis.data, exact))
 
 
-def _psis(data: AxisData, posterior: Posterior) -> PsisLoo | None:
-    """Leave-one-out from the draws; None where they'd be too few."""
-    model = posterior.exact.model
-    theta = thinned(posterior.chain.theta.reshape(-1, model.dimension), len(data))
-    if theta is None:
-        return None
-    design = legendre_design(data.domain.scale(data.x), model.order)
-    sd = data.sd if data.sd is not None else np.ones(len(data))
-    if model.infers_sigma:
-        log_sigma = theta[:, model.size]
-    else:
-        log_sigma = np.full(len(theta), np.log(posterior.exact.sigma[0]))
-    z = (data.t[:, None] - design @ theta[:, : model.size].T) / sd[:, None] * np.exp(-log_sigma)
-    log_likelihood = -(z**2 + LOG_2PI) / 2 - log_sigma - np.log(sd)[:, None]
-    return psis_loo(log_likelihood)
+def _elpd(terms: Array) -> float | None:
+    return None if np.isnan(terms).any() else float(terms.sum())
 
 
-def _worth(data: AxisData, posteriors: Mapping[int, Posterior], order: int, other: int) -> Worth:
-    s = np.linspace(-1, 1, 401)
-    means = {}
-    for k in (order, other):
-        exact = posteriors[k].exact
-        means[k] = legendre_design(s, k) @ exact.mean
-    difference = np.abs(means[other] - means[order])
-    place = int(difference.argmax())
-    larger = max(order, other)
-    row = legendre_design(s[place : place + 1], larger)[0]
-    sd = float(np.linalg.norm(row @ posteriors[larger].exact.root))
-    at = data.domain.middle + data.domain.half_range * float(s[place])
-    return Worth(other, float(difference[place]), sd, at)
+def _bootstrap(
+    axis: Axis,
+    models: Mapping[int, LinearModel],
+    groups: Groups | None,
+    store: Store,
+    rng: np.random.Generator,
+) -> Bootstrap:
+    known = store.wins(axis.data.axis, "point" if groups is None else "group")
+    members = None if groups is None else groups.members
+    return bootstrap(axis.data, models, rng, members, known=known)
+
+
+def _from_draws(
+    axis: Axis,
+    noise: NoiseModel,
+    results: Sequence[OrderResult],
+    order: int | None,
+    store: Store,
+    settings: Settings,
+) -> Defence:
+    data, found = axis.data, {r.order: r.loo for r in results if r.loo is not None}
+    evidence = {r.order: r.log_evidence for r in results if r.log_evidence is not None}
+    prediction = predictions(data, results, found, {})
+    if order is None:
+        return Defence(prediction)
+    # Points whose leave-one-out the draws of every order can tell.
+    usable = sorted(set(range(len(data))).difference(*(loo.unreliable for loo in found.values())))
+    points: tuple[Removal, ...] = ()
+    if found:
+        without = {k: evidence[k] - loo.pointwise[usable] for k, loo in found.items()}
+        points = removals([data.labels[i] for i in usable], [1] * len(usable), without, order)
+    further = _beyond(axis, noise, evidence, store, settings)
+    return Defence(prediction, points_that_matter=points, beyond=further)
+
+
+def _beyond(
+    axis: Axis, noise: NoiseModel, evidence: dict[int, float], store: Store, settings: Settings
+) -> Beyond:
+    """Sample up to three orders above the compared range."""
+    more, _ = orders_beyond(axis.data, max(evidence), axis.rule)
+    posteriors = {
+        k: RobustOrder.of(axis, k, noise).posterior(store, settings, beside=True) for k in more
+    }
+    return beyond_of(evidence | {k: p.log_evidence for k, p in posteriors.items()}, more)

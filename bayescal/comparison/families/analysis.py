@@ -1,34 +1,23 @@
-"""From points and settings to a comparison across families: the loop over joint models."""
+"""From points and settings to a comparison across families: their candidates, listed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from itertools import product
+from typing import TypeAlias
 
 from threadpoolctl import threadpool_limits
 
+from bayescal.comparison.axis import Axis
 from bayescal.comparison.families.caveats import family_caveats
-from bayescal.comparison.families.members import (
-    Progress,
-    free_members,
-    pinhole_members,
-    stated_members,
-)
-from bayescal.comparison.families.models import (
-    LINEAR,
-    Axis,
-    Wanted,
-    linear_axes,
-    noise_levels,
-)
-from bayescal.comparison.families.results import (
-    FamilyComparison,
-    FamilyRequest,
-    JointModel,
-)
-from bayescal.comparison.families.robust import free_robust, stated_robust
-from bayescal.comparison.families.verdict import judge_families, model_probabilities
-from bayescal.comparison.key import FAMILIES, FREE, PINHOLE, STATED
+from bayescal.comparison.families.free import free_pairs
+from bayescal.comparison.families.models import LINEAR, Wanted, linear_axes, noise_levels
+from bayescal.comparison.families.pinholes import pinholes
+from bayescal.comparison.families.results import FamilyComparison, FamilyRequest, JointModel
+from bayescal.comparison.families.stated import stated_pairs
+from bayescal.comparison.families.verdict import judge_families
+from bayescal.comparison.judging import Candidate, judge_all
+from bayescal.comparison.key import FAMILIES, FREE, PINHOLE, STATED, Key
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.errors import InputError
@@ -37,6 +26,7 @@ from bayescal.points.notes import point_notes
 from bayescal.polynomials import separable
 from bayescal.prior.camera import check_inferred, pinhole_prior, position_prior
 
+Progress: TypeAlias = Callable[[str, int], None]
 EQUAL = "families are equally probable beforehand; within one its positions, then its orders"
 ONE_NOISE = (
     "errors of the world coordinates: as pixels by the slopes of the separable polynomials at the "
@@ -75,36 +65,25 @@ def compare_joint(
     check_request(request, settings)
     if any(FREE in request.positions_of(family) for family in request.families):
         check_inferred(points)
-    kept = store or Store()
-    families, orders = request.families, request.orders
+    families, highest = request.families, request.orders[-1]
     with threadpool_limits(1):
-        axes = {f: linear_axes(points, f, settings, orders[-1]) for f in families if f in LINEAR}
-        levels = noise_levels(points, settings, orders[-1])
-        plans: list[tuple[str, Iterator[JointModel]]] = []
+        axes = {f: linear_axes(points, f, settings, highest) for f in families if f in LINEAR}
+        levels = noise_levels(points, settings, highest)
+        # All are fitted, and what can't be fitted is refused, before any is sampled.
+        candidates: list[Candidate[JointModel]] = []
         for family in families:
             for position in request.positions_of(family):
-                wanted, stated = _wanted(family, request), position == STATED
                 if family == PINHOLE:
-                    judged = pinhole_members(points, request, position, levels, settings, kept)
-                elif settings.choice.robust:
-                    judge = stated_robust if stated else free_robust
-                    judged = judge(family, axes[family], wanted, points, settings, kept)
-                elif stated:
-                    judged = stated_members(family, axes[family], wanted, points)
-                else:
-                    judged = free_members(family, axes[family], wanted, points, settings, kept)
-                plans.append((f"{family}, position {position}", judged))
-        found: list[JointModel] = []
-        for words, judged in plans:
-            if progress is not None:
-                progress(words, 0)
-            found += judged
-    chances = model_probabilities(found)
+                    candidates += pinholes(points, request, position, levels.data, settings)
+                    continue
+                listed = stated_pairs if position == STATED else free_pairs
+                candidates += listed(
+                    family, axes[family], _wanted(family, request), points, settings
+                )
+        found = judge_all(candidates, store or Store(), settings, _told(progress))
     # Probabilities too small for a double are zero, and still have an order.
-    order = sorted(range(len(found)), key=lambda i: (-chances[i], -found[i].log_evidence))
-    models = tuple(found[i] for i in order)
-    sorted_chances = tuple(chances[i] for i in order)
-    verdict = judge_families(models, sorted_chances, family_caveats(points, models, sorted_chances))
+    models = tuple(sorted(found, key=lambda m: (-(m.probability or 0.0), -m.log_evidence)))
+    verdict = judge_families(models, family_caveats(points, models))
     priors = _prior_words(points, request, axes, settings)
     notes = point_notes(points)
     if _world_errors(points):
@@ -112,16 +91,21 @@ def compare_joint(
     if len(models) > 1:
         notes.append(EQUAL)
     return FamilyComparison(
-        points,
-        models,
-        sorted_chances,
-        request,
-        settings,
-        priors,
-        levels.words,
-        verdict,
-        tuple(notes),
+        points, models, request, settings, priors, levels.words, verdict, tuple(notes)
     )
+
+
+def _told(progress: Progress | None) -> Callable[[Key], None]:
+    """Make of a progress by family and position one by candidates."""
+    said: set[str] = set()
+
+    def tell(key: Key) -> None:
+        words = f"{key.family}, position {key.position}"
+        if progress is not None and words not in said:
+            progress(words, 0)
+        said.add(words)
+
+    return tell
 
 
 def _world_errors(points: Correspondences) -> bool:
@@ -148,13 +132,12 @@ def check_request(request: FamilyRequest, settings: Settings) -> None:
         raise InputError("a flat prior has no evidence, which families are compared by; drop it")
 
 
-def _wanted(family: str, request: FamilyRequest) -> Wanted:
-    """Orders as named, and of r and c."""
+def _wanted(family: str, request: FamilyRequest) -> list[Wanted]:
     orders = request.orders
     if family != separable.NAME:
-        return [((k,), k, k) for k in orders]
-    pairs = request.pairs if request.pairs is not None else list(product(orders, orders))
-    return [((k, m), k, m) for k, m in pairs]
+        return [Wanted((k,), k, k) for k in orders]
+    pairs = request.pairs if request.pairs is not None else product(orders, orders)
+    return [Wanted((k, m), k, m) for k, m in pairs]
 
 
 def _prior_words(

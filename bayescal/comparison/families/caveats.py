@@ -12,11 +12,7 @@ from bayescal.comparison.caveats import PILE
 from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.comparison.leave_one_out import paired_difference
-from bayescal.density.free_position import FreePositionModel
 from bayescal.density.pinhole import PinholeModel
-from bayescal.density.pinhole_coordinates import position_sd as pinhole_position_sd
-from bayescal.density.position_search import position_sd
-from bayescal.linear.evidence import NEAR_BOUND
 from bayescal.noise.level import sigma_bounds
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
@@ -27,48 +23,37 @@ from bayescal.rounding import counted
 FAR = 3.0  # standard deviations
 
 
-def family_caveats(
-    points: Correspondences, models: Sequence[JointModel], chances: Sequence[float]
-) -> list[str]:
-    """Say what a reviewer should know of the verdict.
-
-    Parameters
-    ----------
-    points : Correspondences
-    models : sequence of JointModel
-        The most probable first.
-    chances : sequence of float
-        Their probabilities.
-    """
+def family_caveats(points: Correspondences, models: Sequence[JointModel]) -> list[str]:
+    """Say what a reviewer should know of the verdict; the most probable model is the first."""
+    chances = [m.probability or 0.0 for m in models]
     out: list[str] = []
     bounds = {f"sigma_{a}": sigma_bounds(separable.axis_pixel(points, a)) for a in AXES}
     matter = [model for model, chance in zip(models, chances, strict=True) if chance >= 0.01]
     for model in matter:
-        out += [f"the evidence of {model.name}: {warning}" for warning in model.warnings]
+        out += [f"the evidence of {model.key}: {warning}" for warning in model.warnings]
         out += _at_bounds(model, bounds)
         if model.posterior is not None and not model.posterior.converged:
-            out.append(f"sampling of {model.name} did not reach the stopping rule")
-    loos = [(m, m.loo) for m in matter if m.loo is not None]
-    heavy = [str(m.name) for m, loo in loos if loo.pareto_k is not None and loo.pareto_k > 1]
+            out.append(f"sampling of {model.key} did not reach the stopping rule")
+    heavy = [str(m.key) for m in matter if m.loo is not None and (m.loo.largest_k or 0.0) > 1]
     if heavy:
         rest = f"; and of {counted(len(heavy) - 3, 'other')}" if len(heavy) > 3 else ""
         out.append(
             f"leave-one-out rests on few draws (Pareto k > 1) for {'; '.join(heavy[:3])}{rest}"
         )
     best = models[0]
-    free = next((m for m in matter if m.name.position == FREE), None)
+    free = next((m for m in matter if m.key.position == FREE), None)
     if free is not None:
         prior = position_prior(points)
-        shift = np.abs(free.position - prior.mean) / np.hypot(prior.sd, _position_sd(free))
+        shift = np.abs(free.position - prior.mean) / np.hypot(prior.sd, free.position_sd)
         if shift.max() > FAR:
             out.append(
                 f"the position found is {shift.max():.1f} sds, of prior and points together, from "
                 "the stated one: prior and data disagree; AIC, BIC and chi-squared know no prior "
                 "and are the found one's"
             )
-    if best.posterior is not None and isinstance(best.posterior.model, PinholeModel):
-        out += _far_optics(best.posterior.model, best.posterior.full[:, -1])
-    pinholes = sum(p for m, p in zip(models, chances, strict=True) if m.name.family == PINHOLE)
+    if best.camera is not None and best.posterior is not None:
+        out += _far_optics(best.camera, best.posterior.full[:, -1])
+    pinholes = sum(p for m, p in zip(models, chances, strict=True) if m.key.family == PINHOLE)
     if points.setup.camera.orientation_sd is None and 0.001 < pinholes < 0.999:
         # Three normal densities again; the polynomials take the orientation for exact.
         out.append(
@@ -76,33 +61,20 @@ def family_caveats(
             f"a default: half as wide could gain them up to {3 * math.log(2):.1f} nat; the setup's "
             "orientation_sd sets it"
         )
-    if {m.name.position for m in models} == {STATED, FREE} and not position_prior(points).stated:
+    if {m.key.position for m in models} == {STATED, FREE} and not position_prior(points).stated:
         # Three normal densities of twice the width are an eighth as high at the most.
         out.append(
             "the evidence of a free position depends on its prior's sd, which is a default: "
             f"twice as wide would cost it up to {3 * math.log(2):.1f} nat; the setup's position_sd "
             "sets it"
         )
-    known = [m for m in models if m.loo is not None and m.loo.reliable]
-    if best in known:
-        ahead = max(known, key=lambda m: m.loo.elpd if m.loo is not None else -math.inf)
-        assert ahead.loo is not None, "it is known"
-        assert best.loo is not None, "it is known"
-        total, se = paired_difference(ahead.loo, best.loo)
+    known = [(m.loo, m.key) for m in models if m.loo is not None and m.loo.reliable]
+    if best.loo is not None and best.loo.reliable:
+        ahead, name = max(known, key=lambda pair: pair[0].elpd)
+        total, se = paired_difference(ahead, best.loo)
         if total > max(4.0, 2 * se):
-            out.append(f"leave-one-out prefers {ahead.name}, by {total:.1f} +- {se:.1f}")
+            out.append(f"leave-one-out prefers {name}, by {total:.1f} +- {se:.1f}")
     return out
-
-
-def _position_sd(model: JointModel) -> Array:
-    """Give standard errors of the position that a model's points alone give, ``(3,)``."""
-    kept = model.posterior or model.weighted
-    assert kept is not None, "a free position has draws"
-    if isinstance(kept.model, PinholeModel):
-        return pinhole_position_sd(kept.model.geometry, kept.model.fit)
-    if isinstance(kept.model, FreePositionModel):
-        return position_sd(kept.model)
-    return np.zeros(3)  # under robust noise the position found is the posterior's
 
 
 def _at_bounds(model: JointModel, bounds: Mapping[str, tuple[float, float]]) -> list[str]:
@@ -113,7 +85,7 @@ def _at_bounds(model: JointModel, bounds: Mapping[str, tuple[float, float]]) -> 
         for bound, mass, why in zip(bounds[name], masses, whys, strict=True):
             if mass > PILE:
                 share = f"{100 * mass:.0f} % of {name}'s posterior"
-                out.append(f"{model.name}: {share} lies at its bound, {bound:.4g} px: {why}")
+                out.append(f"{model.key}: {share} lies at its bound, {bound:.4g} px: {why}")
     return out
 
 
@@ -121,22 +93,13 @@ def _masses_at_bounds(
     model: JointModel, bounds: Mapping[str, tuple[float, float]]
 ) -> list[tuple[str, tuple[float, float]]]:
     """Give the posterior probability of each inferred sigma near its lower and upper bound, px."""
-    if model.posterior is None:
+    posterior = model.posterior
+    if posterior is None:
         known = zip(AXES, model.exact, strict=False)
         inferred = [(axis, e) for axis, e in known if e.model.noise.source == "inferred"]
         return [(f"sigma_{axis}", exact.sigma_at_bounds()) for axis, exact in inferred]
-    draws = model.posterior.chain.draws.reshape(-1, len(model.posterior.names))
-    return [
-        (
-            name,
-            (
-                float(np.mean(values < bounds[name][0] * (1 + NEAR_BOUND))),
-                float(np.mean(values > bounds[name][1] / (1 + NEAR_BOUND))),
-            ),
-        )
-        for name, values in zip(model.posterior.names, draws.T, strict=True)
-        if name in bounds
-    ]
+    sigmas = [name for name in posterior.names if name in bounds]
+    return [(name, posterior.at_bounds(name, bounds[name])) for name in sigmas]
 
 
 def _far_optics(model: PinholeModel, full: Array) -> list[str]:

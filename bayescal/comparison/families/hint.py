@@ -9,17 +9,16 @@ import numpy as np
 from scipy.special import logsumexp
 from threadpoolctl import threadpool_limits
 
+from bayescal.comparison.axis import Axis
 from bayescal.comparison.families.models import (
-    Axis,
     free_model,
+    gaussian_pinhole,
     joint_criteria,
     joint_data,
-    pinhole_model,
 )
 from bayescal.comparison.key import FREE
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
-from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.pinhole_proposal import ladder
 from bayescal.density.position_search import position_mode
 from bayescal.errors import InputError
@@ -78,8 +77,11 @@ class _Rival:
 
 def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> list[_Rival]:
     """Fit the models of the hint, as far as the points allow."""
-    r, c = (Axis(a.data, a.noise, a.prior, a.noise_source) for a in (result.axes[n] for n in AXES))
     k, m = (result.axes[name].chosen.order for name in AXES)
+    r, c = (
+        Axis(a.data, a.noise, a.noise_source, a.prior, result.family, a.orders[-1].order)
+        for a in (result.axes[name] for name in AXES)
+    )
     data, out = joint_data((r, c)), []
     with contextlib.suppress(*NO_MODEL):
         model, rss = free_model(points, (r, c), (k, m))
@@ -88,8 +90,7 @@ def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> 
         out.append(_Rival(mass, bic, f"separable ({k}, {m})", tuple(model.start.tolist())))
     with contextlib.suppress(*NO_MODEL):
         for order in (0, 1):
-            pinhole = pinhole_model(points, order, FREE, "even", data, settings)
-            assert isinstance(pinhole, GaussianPinhole), "there is a hint under no other noise"
+            pinhole = gaussian_pinhole(points, order, FREE, "even", data, settings)
             _, log_mass = ladder(pinhole)
             position = pinhole.geometry.position(pinhole.geometry.full(pinhole.fit.free[None]))[0]
             count = pinhole.geometry.dimension + sum(data.inferred)

@@ -3,63 +3,49 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from bayescal.arrays import Array, frozen
 from bayescal.cameras.pinhole import PinholeGeometry, Radial
+from bayescal.comparison.axis import Axis
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit, chi_squared
 from bayescal.comparison.key import STATED
 from bayescal.comparison.settings import Settings, check_resolved, noise_level, prior_rule
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.gaussian_pinhole import GaussianPinhole
+from bayescal.density.joint_data import JointData
 from bayescal.density.moving_axis import MovingAxis
-from bayescal.density.pinhole import PinholeModel
 from bayescal.density.pinhole_coordinates import suited
-from bayescal.density.pinhole_fit import JointData, PinholeFit, fit_pinhole
+from bayescal.density.pinhole_fit import PinholeFit, fit_pinhole
 from bayescal.density.position_search import best_position, linearised
 from bayescal.density.robust_pinhole import RobustPinhole
 from bayescal.errors import InputError
-from bayescal.linear.least_squares import factorise, only_rounding
-from bayescal.linear.model import LinearModel
-from bayescal.noise.choice import NoiseChoice
+from bayescal.linear.least_squares import only_rounding
 from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials import bivariate, separable
-from bayescal.polynomials.axis_data import AxisData
-from bayescal.prior.amplitudes import PriorRule
 from bayescal.prior.camera import PinholePrior, pinhole_prior, position_prior
 
 LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
-Wanted = list[tuple[tuple[int, ...], int, int]]  # orders as named, of r, of c
 
 
-@dataclass(frozen=True, eq=False)
-class Axis:
-    """One axis of a linear family: its data, noise level and prior rule.
+class Wanted(NamedTuple):
+    """Orders of a model as it names them, of r and of c."""
 
-    Attributes
-    ----------
-    data : AxisData
-    noise : NoiseLevel
-    rule : PriorRule
-    source : str
-        How the noise level was chosen, in words.
-    """
+    named: tuple[int, ...]
+    r: int
+    c: int
 
-    data: AxisData
-    noise: NoiseLevel
-    rule: PriorRule
-    source: str
-
-    def model(self, order: int) -> LinearModel:
-        """Make the likelihood model of an order."""
-        self.data.check(order)
-        prior = self.rule.of_degrees(self.data.degrees(order))
-        return LinearModel(factorise(self.data, order), order, self.noise, prior, self.data.symbol)
+    @property
+    def pair(self) -> tuple[int, int]:
+        """Of r and of c."""
+        return self.r, self.c
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +65,10 @@ def linear_axes(
         data = LINEAR[family](points, axis)
         other = separable.axis_data(points, "c" if axis == "r" else "r").x
         own = separable.axis_data(points, axis)
-        usable, level, words = noise_level(own, settings, other, min(highest, 5))
+        chosen = noise_level(own, settings, other, min(highest, 5))
         stated = points.setup.priors.get(axis) if family == separable.NAME else None
-        rule = prior_rule(data, settings, stated)
-        out.append(Axis(replace(data, sd=usable.sd), level, rule, words))
+        rule, data = prior_rule(data, settings, stated), replace(data, sd=chosen.data.sd)
+        out.append(Axis(data, chosen.level, chosen.words, rule, family, highest))
     return out[0], out[1]
 
 
@@ -126,20 +112,12 @@ def joint_data(axes: tuple[Axis, Axis]) -> JointData:
     return JointData(np.stack([r.data.t, c.data.t]), (r.data.sd, c.data.sd), (r.noise, c.noise))
 
 
-def orders_of(orders: Wanted, axis: int) -> list[int]:
-    """Orders wanted of an axis: 0 is r, 1 is c."""
-    return sorted({(k, m)[axis] for _, k, m in orders})
-
-
-def check_orders(axes: tuple[Axis, Axis], orders: Wanted) -> None:
-    """Refuse orders that the points can't determine.
-
-    Raises
-    ------
-    InputError
-    """
-    for i, axis in enumerate(axes):
-        axis.data.check(max(orders_of(orders, i)))
+def checked_axes(axes: tuple[Axis, Axis], orders: Sequence[Wanted]) -> tuple[Axis, Axis]:
+    """Both axes up to the highest orders wanted; refuse those the points can't determine."""
+    r, c = (a.up_to(max(w.pair[i] for w in orders)) for i, a in enumerate(axes))
+    for axis in (r, c):
+        axis.data.check(axis.highest)
+    return r, c
 
 
 def joint_criteria(data: JointData, rss: Array, k: int) -> Criteria:
@@ -175,7 +153,7 @@ def moving_axes(
 ) -> tuple[MovingAxis, MovingAxis]:
     """Both axes of a linear family as functions of the camera position."""
     r, c = (
-        MovingAxis(a.data, points.world, i, k, a.noise, a.rule.of_degrees(a.data.degrees(k)))
+        MovingAxis(a.data, points.world, i, k, a.noise, a.prior(k))
         for i, (a, k) in enumerate(zip(axes, orders, strict=True))
     )
     return r, c
@@ -191,25 +169,60 @@ def free_model(
     return FreePositionModel(moving, prior, frozen(start)), np.array(rss)
 
 
-def pinhole_model(
+def linear_residuals(
+    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int], position: Array
+) -> Array:
+    """Least squares' residuals of r and c at a camera position, ``(2, n_points)``, px."""
+    out = []
+    for moving in moving_axes(points, axes, orders):
+        data, design = moving.data, moving.design(position[None])[0]
+        sd = np.ones(len(data)) if data.sd is None else data.sd
+        b, *_ = np.linalg.lstsq(design / sd[:, None], data.t / sd, rcond=None)
+        out.append(data.t - design @ b)
+    return np.stack(out)
+
+
+def gaussian_pinhole(
     points: Correspondences,
     order: int,
     position: str,
     radial: Radial,
     data: JointData,
     settings: Settings,
-) -> PinholeModel:
+) -> GaussianPinhole:
     """Build and fit a pinhole of one order."""
-    prior: PinholePrior = pinhole_prior(points, settings.tau)
+    geometry, prior, fit = _fitted(points, order, position, radial, data, settings)
+    return GaussianPinhole.of(geometry, prior, data, fit)
+
+
+def robust_pinhole(
+    points: Correspondences,
+    order: int,
+    position: str,
+    radial: Radial,
+    data: JointData,
+    settings: Settings,
+) -> RobustPinhole:
+    """Build and fit a pinhole of one order under noise without a closed form."""
+    geometry, prior, fit = _fitted(points, order, position, radial, data, settings)
+    return RobustPinhole.of(geometry, prior, data, fit, settings.choice.model(1.0))
+
+
+def _fitted(
+    points: Correspondences,
+    order: int,
+    position: str,
+    radial: Radial,
+    data: JointData,
+    settings: Settings,
+) -> tuple[PinholeGeometry, PinholePrior, PinholeFit]:
+    prior = pinhole_prior(points, settings.tau)
     fixed = frozen(points.setup.position) if position == STATED else None
     geometry = PinholeGeometry(
         points.world, prior.orientation, prior.half_diagonal, order, radial, fixed
     )
-    fit: PinholeFit = fit_pinhole(points, geometry, prior, data)
+    fit = fit_pinhole(points, geometry, prior, data)
     for axis, level, rss in zip(AXES, data.levels, fit.rss.tolist(), strict=True):
         check_resolved(f"{points.source}: axis {axis}", level, rss, data.n, order)
     geometry, fit = suited(geometry, prior.position, fit)
-    if not settings.choice.robust:
-        return GaussianPinhole.of(geometry, prior, data, fit)
-    noise = NoiseChoice(settings.noise, settings.nu, settings.bad_offset).model(1.0)
-    return RobustPinhole.of(geometry, prior, data, fit, noise)
+    return geometry, prior, fit

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from bayescal.arrays import Array
+from bayescal.comparison.judged import Judged
 from bayescal.comparison.key import FREE, PINHOLE, STATED, Key
 from bayescal.points.correspondences import Correspondences
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
     from bayescal.comparison.criteria import Criteria
     from bayescal.comparison.goodness import GoodnessOfFit
     from bayescal.comparison.settings import Settings
+    from bayescal.density.pinhole import PinholeModel
     from bayescal.inference.sampled_posterior import SampledPosterior
     from bayescal.inference.weighting import WeightedDraws
     from bayescal.linear.closed_form import ExactPosterior
@@ -54,103 +57,48 @@ class FamilyRequest:
         return tuple(dict.fromkeys(self.positions or (default,)))
 
 
-@dataclass(frozen=True, eq=False)
-class JointLeaveOneOut:
-    """Leave-one-out of the joint data: r and c of a point together.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointModel(Judged):
+    """One model of r and c together: what a candidate is judged by, and its likelihood.
 
     Attributes
     ----------
-    pointwise : Array
-        ln p(t_i | all other points), ``(n_points,)``.
-    pareto_k : float or None
-        Largest of the points that draws tell of; None where it is exact.
-    k_limit : float or None
-        Below it `pareto_k` is good; fewer draws can judge thinner tails only.
-    mcse : float
-        Monte Carlo standard error of their sum.
-    refitted : tuple of int
-        Points whose term comes from the evidence without them, as their weights have too
-        heavy a tail.
-    """
-
-    pointwise: Array
-    pareto_k: float | None = None
-    k_limit: float | None = None
-    mcse: float = 0.0
-    refitted: tuple[int, ...] = ()
-
-    @property
-    def elpd(self) -> float:
-        """Sum of the terms."""
-        return float(self.pointwise.sum())
-
-    @property
-    def se(self) -> float:
-        """Its standard error: sqrt(n) times the sd (n - 1) of the terms."""
-        return math.sqrt(len(self.pointwise)) * float(self.pointwise.std(ddof=1))
-
-    @property
-    def reliable(self) -> bool:
-        """Whether it is exact, or every point's Pareto k is good."""
-        if self.pareto_k is None or self.k_limit is None:
-            return True
-        return self.pareto_k < self.k_limit
-
-
-@dataclass(frozen=True, eq=False)
-class JointModel:
-    """One model of the joint data, judged.
-
-    Attributes
-    ----------
-    name : Key
     criteria : Criteria
         K counts coefficients, inferred sigmas and the position where it is free; n counts points.
         There are no criteria of an exact fit, nor under robust noise, whose likelihood may have
         no maximum (a sigma that shrinks about a few points).
-    log_evidence : float
-        Natural log.
-    log_evidence_error : float
-        Monte Carlo error, or the quadrature's, nat.
-    loo : JointLeaveOneOut or None
-        None where it can't be had.
+    goodness : GoodnessOfFit or None
+        Chi-squared of both axes, where no sigma is inferred.
     position : Array
         Camera position of highest likelihood, of a linear family under robust noise of highest
         posterior density, ``(3,)``, world units.
+    position_sd : Array
+        Its standard errors that the points alone give; zero where none of the likelihood's is
+        known.
+    residuals : Array
+        Measured less predicted, by least squares at that position, ``(2, n_points)``, px.
+    camera : PinholeModel or None
+        The density of a pinhole.
+    exact : tuple of ExactPosterior
+        Of r and of c, at the stated position of a linear family; empty elsewhere.
     posterior : SampledPosterior or None
         Of a model that was sampled: pinholes, a family's best at a free position, and under
         robust noise linear families at the stated one.
-    doubts : tuple of str
-        Why an evidence that was had without sampling should not be trusted.
-    exact : tuple of ExactPosterior
-        Of r and of c, at the stated position of a linear family; empty elsewhere.
-    goodness : GoodnessOfFit or None
-        Chi-squared of both axes, where no sigma is inferred.
     weighted : WeightedDraws or None
         Of a model that has no closed form and was not sampled.
     """
 
-    name: Key
-    criteria: Criteria
     log_evidence: float
     log_evidence_error: float
-    loo: JointLeaveOneOut | None
+    criteria: Criteria
     position: Array
-    posterior: SampledPosterior | None = None
-    doubts: tuple[str, ...] = ()
-    exact: tuple[ExactPosterior, ...] = ()
+    residuals: Array
+    position_sd: Array = field(default_factory=lambda: np.zeros(3))
+    camera: PinholeModel | None = None
     goodness: GoodnessOfFit | None = None
+    exact: tuple[ExactPosterior, ...] = ()
+    posterior: SampledPosterior | None = None
     weighted: WeightedDraws | None = None
-
-    @property
-    def sound(self) -> bool:
-        """Whether its draws, if any, met the stopping rule and its evidence can be trusted."""
-        return not self.warnings and (self.posterior is None or self.posterior.converged)
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """Why its evidence should not be trusted."""
-        return self.doubts if self.posterior is None else self.posterior.estimate.warnings
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,8 +138,6 @@ class FamilyComparison:
     points : Correspondences
     models : tuple of JointModel
         The most probable first.
-    probabilities : tuple of float
-        Of each, in the same order.
     request : FamilyRequest
         Which models were asked for.
     settings : Settings
@@ -208,7 +154,6 @@ class FamilyComparison:
 
     points: Correspondences
     models: tuple[JointModel, ...]
-    probabilities: tuple[float, ...]
     request: FamilyRequest
     settings: Settings
     priors: tuple[str, ...]
@@ -216,6 +161,11 @@ class FamilyComparison:
     verdict: FamilyVerdict
     notes: tuple[str, ...]
     origin: dict[str, Any] | None = None
+
+    @property
+    def probabilities(self) -> tuple[float, ...]:
+        """Probability of each model, in the same order."""
+        return tuple(m.probability or 0.0 for m in self.models)
 
     @property
     def best(self) -> JointModel:
@@ -229,9 +179,9 @@ class FamilyComparison:
 
     def __getitem__(self, name: str) -> JointModel:
         for model in self.models:
-            if str(model.name) == name:
+            if str(model.key) == name:
                 return model
-        raise KeyError(f"{name!r} was not compared; compared: {[str(m.name) for m in self.models]}")
+        raise KeyError(f"{name!r} was not compared; compared: {[str(m.key) for m in self.models]}")
 
     def __repr__(self) -> str:
         return f"<FamilyComparison: {self.verdict.text}>"

@@ -2,39 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from scipy.special import logsumexp
 
 from bayescal.comparison.evidence import PLAUSIBLE, strength
 from bayescal.comparison.families.results import FamilyVerdict, JointModel
+from bayescal.comparison.judged import log_weights
 from bayescal.comparison.key import FREE, Key
 from bayescal.comparison.verdict import percent
-
-
-def model_probabilities(models: Sequence[JointModel]) -> list[float]:
-    """Posterior probabilities: families equal, within one its positions, within these orders.
-
-    A family does not become more probable by offering more orders.
-    """
-    logs = _log_weights(models)
-    top = max(logs)
-    odds = [math.exp(value - top) for value in logs]
-    total = math.fsum(odds)
-    return [o / total for o in odds]
-
-
-def _log_weights(models: Sequence[JointModel]) -> list[float]:
-    """Log evidence of each model times its prior probability within its family."""
-    logs = []
-    for model in models:
-        name = model.name
-        same = [m.name for m in models if m.name.family == name.family]
-        positions = len({n.position for n in same})
-        orders = sum(n.position == name.position for n in same)
-        logs.append(model.log_evidence - math.log(positions * orders))
-    return logs
 
 
 def _between_families(models: Sequence[JointModel], families: dict[str, float]) -> str:
@@ -46,8 +22,8 @@ def _between_families(models: Sequence[JointModel], families: dict[str, float]) 
     if len(families) < 2:
         return ""
     by_family: dict[str, list[float]] = {}
-    for model, weight in zip(models, _log_weights(models), strict=True):
-        by_family.setdefault(model.name.family, []).append(weight)
+    for model, weight in zip(models, log_weights(models) or [], strict=True):
+        by_family.setdefault(model.key.family, []).append(weight)
     logs = {family: float(logsumexp(weights)) for family, weights in by_family.items()}
     ranked = sorted(logs, key=lambda family: -logs[family])
     first, second = ranked[:2]
@@ -59,33 +35,23 @@ def _between_families(models: Sequence[JointModel], families: dict[str, float]) 
     )
 
 
-def judge_families(
-    models: Sequence[JointModel], chances: Sequence[float], caveats: Sequence[str]
-) -> FamilyVerdict:
-    """Form the verdict across families.
-
-    Parameters
-    ----------
-    models : sequence of JointModel
-        The most probable first.
-    chances : sequence of float
-    caveats : sequence of str
-    """
-    best = models[0]
+def judge_families(models: Sequence[JointModel], caveats: Sequence[str]) -> FamilyVerdict:
+    """Form the verdict across families, from models of which the most probable is the first."""
+    best, chances = models[0], [m.probability or 0.0 for m in models]
     plausible: list[Key] = []
     total = 0.0
     for model, chance in zip(models, chances, strict=True):
-        plausible.append(model.name)
+        plausible.append(model.key)
         total += chance
         if total >= PLAUSIBLE:
             break
     families, positions = (_shares(models, chances, key) for key in ("family", "position"))
-    others = [m for m in models if m.name.family != best.name.family]
+    others = [m for m in models if m.key.family != best.key.family]
     factor = None
     if others:
         rival = max(others, key=lambda m: m.log_evidence)
         factor = best.log_evidence - rival.log_evidence
-    text = f"{_sentence(best.name)} is the most probable model, {percent(chances[0])}; "
+    text = f"{_sentence(best.key)} is the most probable model, {percent(chances[0])}; "
     if len(plausible) == 1:
         text += "decided at 95%."
     else:
@@ -94,14 +60,14 @@ def judge_families(
         text += f"not decided: {rest}{more} can't be excluded at 95%."
     text += _between_families(models, families)
     # Where each family has a position of its own, it says nothing that the family does not.
-    if len({(m.name.family, m.name.position) for m in models}) > len(families):
+    if len({(m.key.family, m.key.position) for m in models}) > len(families):
         free = positions.get(FREE, 0.0)
         text += (
             f" Summed over families and orders, a free camera position has {percent(free)}, the "
             f"stated one {percent(1 - free)}."
         )
     return FamilyVerdict(
-        best.name,
+        best.key,
         tuple(plausible),
         len(plausible) == 1,
         families,
@@ -120,6 +86,6 @@ def _sentence(name: Key) -> str:
 def _shares(models: Sequence[JointModel], chances: Sequence[float], key: str) -> dict[str, float]:
     out: dict[str, float] = {}
     for model, chance in zip(models, chances, strict=True):
-        value = getattr(model.name, key)
+        value = getattr(model.key, key)
         out[value] = out.get(value, 0.0) + chance
     return out

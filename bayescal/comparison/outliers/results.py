@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.defence.noise_evidence import ERRORS, MENTION, NoiseEvidence, in_words
+from scipy.special import logsumexp
+
+from bayescal.comparison.defence.other_noise import ERRORS, MENTION
 from bayescal.comparison.evidence import strength
+from bayescal.comparison.judged import Judged
 from bayescal.comparison.outliers.records import Elimination, PointRecord
 from bayescal.comparison.outliers.shared_errors import SharedError
 from bayescal.comparison.verdict import percent
+from bayescal.noise.choice import NOISE_WORDS
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
@@ -36,12 +41,52 @@ class Treatment:
     n_points : int
         Points compared on. Evidences of fewer points are of other data: only orders, not
         treatments, can be compared by them.
-    evidence : NoiseEvidence
+    orders : tuple of Judged
+        Ascending, with probabilities among themselves.
     """
 
     name: str
     n_points: int
-    evidence: NoiseEvidence
+    orders: tuple[Judged, ...]
+
+    @property
+    def noise(self) -> str:
+        """Name of the noise model."""
+        return self.orders[0].key.noise
+
+    @property
+    def log_evidence(self) -> dict[int, float]:
+        """Of every order, nat."""
+        return {j.key.orders[0]: j.log_evidence or 0.0 for j in self.orders}
+
+    @property
+    def probability(self) -> dict[int, float]:
+        """Posterior probability of each order under this treatment."""
+        return {j.key.orders[0]: j.probability or 0.0 for j in self.orders}
+
+    @property
+    def warnings(self) -> dict[int, tuple[str, ...]]:
+        """Why an evidence should not be trusted, by order; only those that should not."""
+        return {j.key.orders[0]: j.warnings for j in self.orders if j.warnings}
+
+    @property
+    def order(self) -> int:
+        """The most probable order."""
+        values = self.log_evidence
+        return max(values, key=lambda k: (values[k], -k))
+
+    @property
+    def total(self) -> float:
+        """Log evidence, orders equally probable beforehand."""
+        values = list(self.log_evidence.values())
+        return float(logsumexp(values)) - math.log(len(values))
+
+    @property
+    def total_error(self) -> float:
+        """Monte Carlo error of `total`, nat."""
+        return math.hypot(
+            *((j.probability or 0.0) * (j.log_evidence_error or 0.0) for j in self.orders)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,10 +136,7 @@ class AxisOutliers:
     @property
     def sound(self) -> bool:
         """Whether every evidence can be trusted and every chain converged."""
-        return all(
-            not t.evidence.warnings and all(p.converged for p in t.evidence.posteriors.values())
-            for t in self.treatments
-        )
+        return all(judged.sound for t in self.treatments for judged in t.orders)
 
     @property
     def explanations(self) -> tuple[str, ...]:
@@ -145,7 +187,7 @@ class AxisOutliers:
     @property
     def verdict(self) -> str:
         """Whether the choice of the order depends on how bad points are treated, in words."""
-        orders = {t.name: t.evidence.order for t in self.treatments}
+        orders = {t.name: t.order for t in self.treatments}
         if len(set(orders.values())) == 1:
             text = f"Order {self.order} wins however bad points are treated"
         else:
@@ -155,17 +197,17 @@ class AxisOutliers:
 
     def _closest(self) -> str:
         """Name the order that comes closest under another treatment than Gaussian noise."""
-        gaussian = self.treatments[0].evidence
+        gaussian = self.treatments[0]
         changed = []
         for t in self.treatments[1:]:
-            values = t.evidence.log_evidence
-            rest = [k for k in values if k != t.evidence.order]
+            values = t.log_evidence
+            rest = [k for k in values if k != t.order]
             if not rest:
                 continue
             second = max(rest, key=lambda k: values[k])
             before = sorted(gaussian.log_evidence, key=lambda k: -gaussian.log_evidence[k])
             if len(before) > 1 and second != before[1]:
-                gap = values[t.evidence.order] - values[second]
+                gap = values[t.order] - values[second]
                 changed.append(f"order {second}, {gap:.1f} nat behind, under {t.name}")
         if not changed:
             return ""
@@ -174,15 +216,15 @@ class AxisOutliers:
     @property
     def noise_verdict(self) -> str:
         """Which noise model the data prefer, all orders taken together, in words."""
-        gaussian = self.treatments[0].evidence
-        others = [t.evidence for t in self.treatments[1:] if t.n_points == len(self.data)]
+        gaussian = self.treatments[0]
+        others = [t for t in self.treatments[1:] if t.n_points == len(self.data)]
         best = max(others, key=lambda o: o.total)
         lead = best.total - gaussian.total
         doubt = " (an uncertain evidence)" if best.warnings else ""
         if lead > MENTION / 2 and lead > ERRORS * best.total_error:
             kind = "the wrong" if 2 * lead > STRONG else "a doubtful"
             return (
-                f"Gaussian noise is {kind} assumption here: {in_words(best.name)} noise has "
+                f"Gaussian noise is {kind} assumption here: {NOISE_WORDS[best.noise]} noise has "
                 f"2 ln B = {2 * lead:.1f} against it{doubt}, {strength(lead)} (Kass & Raftery)."
             )
         if -lead > MENTION / 2:
@@ -192,7 +234,7 @@ class AxisOutliers:
             )
         return (
             f"Whether the noise is Gaussian the data do not tell: 2 ln B = {2 * lead:.1f} for "
-            f"{in_words(best.name)} noise{doubt}."
+            f"{NOISE_WORDS[best.noise]} noise{doubt}."
         )
 
 

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest
-from bayescal.comparison.defence.defence import Defence
-from bayescal.comparison.defence.noise_evidence import NoiseEvidence
+from bayescal.comparison.defence.results import Defence
 from bayescal.comparison.defence.stability import Bootstrap, Removal
+from bayescal.comparison.judged import Judged
+from bayescal.comparison.key import Key
 from bayescal.report.document.shared import by_order
 
 
@@ -58,30 +59,30 @@ def _bootstrap(found: Bootstrap) -> dict[str, Any]:
     return {"unit": found.unit, "resamples": found.resamples, "share": by_order(found.share)}
 
 
-def noises_document(noises: tuple[NoiseEvidence, ...]) -> list[dict[str, Any]]:
-    """Evidence under other noise models, for the result document."""
+def noises_document(noises: Sequence[Judged]) -> list[dict[str, Any]]:
+    """Evidence of an order under other noise models, for the result document."""
     return [
         {
-            "noise": found.name,
-            "log_evidence": by_order(found.log_evidence),
-            "log_evidence_error": by_order(found.error),
-            "warnings": by_order(found.warnings),
+            "noise": found.key.noise,
+            "log_evidence": {found.key.order: found.log_evidence},
+            "log_evidence_error": {found.key.order: found.log_evidence_error},
+            "warnings": {found.key.order: list(found.warnings)} if found.warnings else {},
         }
         for found in noises
     ]
 
 
-def noises_from(rows: list[dict[str, Any]]) -> tuple[NoiseEvidence, ...]:
-    """Undo `noises_document`; the posteriors are not kept."""
+def noises_from(rows: list[dict[str, Any]], axis: str) -> tuple[Judged, ...]:
+    """Undo `noises_document`, of an axis; the posteriors are not kept."""
     return tuple(
-        NoiseEvidence(
-            row["noise"],
-            {int(k): v for k, v in row["log_evidence"].items()},
-            {int(k): v for k, v in row["log_evidence_error"].items()},
-            {int(k): tuple(v) for k, v in row["warnings"].items()},
-            {},
+        Judged(
+            key=Key.of_axis(axis, int(order), row["noise"]),
+            log_evidence=value,
+            log_evidence_error=row["log_evidence_error"][order],
+            warnings=tuple(row["warnings"].get(order, ())),
         )
         for row in rows
+        for order, value in row["log_evidence"].items()
     )
 
 

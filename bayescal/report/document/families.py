@@ -73,7 +73,8 @@ def settings_facts(request: FamilyRequest, settings: Settings) -> dict[str, Any]
 
 
 def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str, Any]:
-    name, loo, goodness = model.name, model.loo, model.goodness
+    name, loo, goodness = model.key, model.loo, model.goodness
+    k = None if loo is None else loo.largest_k
     return {
         "name": str(name),
         "family": name.family,
@@ -94,7 +95,7 @@ def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str,
         "elpd_loo_se": None if loo is None else loo.se,
         "elpd_loo_mcse": None if loo is None else loo.mcse,
         "elpd_reliable": None if loo is None else loo.reliable,
-        "pareto_k_max": None if loo is None or loo.pareto_k is None else finite(loo.pareto_k),
+        "pareto_k_max": None if k is None else finite(k),
         "pareto_k_limit": None if loo is None else loo.k_limit,
         "refitted": [] if loo is None else [labels[i] for i in loo.refitted],
         "camera_position_mle": model.position.tolist(),

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from bayescal.comparison.defence.defence import Prediction
+from bayescal.comparison.defence.results import Prediction
 from bayescal.comparison.results import AxisComparison, OrderResult
-from bayescal.inference.posterior import ParameterSummary, Posterior
+from bayescal.inference.posterior import ParameterSummary
 from bayescal.report.document.shared import evidence_facts, finite, summary_facts
 
 PREDICTION = (
@@ -39,7 +39,7 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
     """
     fit, good, found = result.fit, result.goodness, result.criteria
     posterior, size = result.posterior, len(fit.coefficients)
-    gaussian = isinstance(posterior, Posterior)
+    gaussian = posterior.exact is not None
     by_name = {p.name: p for p in result.posterior.parameters}
     chain = result.posterior.chain
     chains, draws, _ = chain.draws.shape
@@ -79,7 +79,7 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         **{f"delta_{n}": _difference(getattr(found, n), best[n]) for n in ("aic", "aicc", "bic")},
         "log_evidence": posterior.log_evidence,
         "log_evidence_error": posterior.log_evidence_error,
-        "evidence": None if isinstance(posterior, Posterior) else evidence_facts(posterior),
+        "evidence": evidence_facts(posterior),
         "probability": result.probability,
         **_prediction(found_loo),
         "exact_fit": fit.exact,
@@ -96,9 +96,7 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
             "acceptance": chain.acceptance,
             "autocorrelation_time": finite(chain.autocorrelation_time),
             "converged": result.posterior.converged,
-            "agrees_with_exact": posterior.agrees_with_exact
-            if isinstance(posterior, Posterior)
-            else None,
+            "agrees_with_exact": posterior.agrees_with_exact,
         },
     }
 
@@ -106,8 +104,8 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
 def _prediction(found: Prediction | None) -> dict[str, Any]:
     if found is None:
         return dict.fromkeys(PREDICTION)
-    k_max = None if found.pareto_k is None else finite(float(found.pareto_k.max()))
-    loo = found.loo
+    loo, psis = found.loo, found.psis
+    k_max = None if psis is None or psis.largest_k is None else finite(psis.largest_k)
     values = (loo.elpd, finite(loo.se), found.difference, finite(found.difference_se), loo.p_eff)
     return dict(
         zip(
@@ -115,8 +113,8 @@ def _prediction(found: Prediction | None) -> dict[str, Any]:
             (
                 *values,
                 k_max,
-                found.psis_elpd,
-                found.psis_mcse,
+                None if psis is None else psis.elpd,
+                None if psis is None else psis.mcse,
                 found.group_elpd,
                 list(found.influential),
             ),

@@ -87,17 +87,19 @@ def _axis_document(axis: AxisOutliers) -> dict[str, Any]:
         "treatments": [
             {
                 "name": t.name,
-                "noise": t.evidence.name,
+                "noise": t.noise,
                 "n_points": t.n_points,
-                "log_evidence": by_order(t.evidence.log_evidence),
-                "log_evidence_error": by_order(t.evidence.error),
-                "probability": by_order(t.evidence.probability),
-                "order": t.evidence.order,
-                "log_evidence_all_orders": t.evidence.total
-                if t.n_points == len(axis.data)
-                else None,
-                "warnings": by_order(t.evidence.warnings),
-                "not_converged": [k for k, p in t.evidence.posteriors.items() if not p.converged],
+                "log_evidence": by_order(t.log_evidence),
+                "log_evidence_error": {j.key.order: j.log_evidence_error for j in t.orders},
+                "probability": by_order(t.probability),
+                "order": t.order,
+                "log_evidence_all_orders": t.total if t.n_points == len(axis.data) else None,
+                "warnings": by_order(t.warnings),
+                "not_converged": [
+                    j.key.orders[0]
+                    for j in t.orders
+                    if j.posterior is not None and not j.posterior.converged
+                ],
             }
             for t in axis.treatments
         ],

@@ -12,13 +12,12 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
-from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary
+from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
 from bayescal.points.correspondences import Correspondences
 from bayescal.version import __version__
 
 if TYPE_CHECKING:  # Gaussian noise samples nothing of the kind
     from bayescal.comparison.settings import Settings
-    from bayescal.inference.sampled_posterior import SampledPosterior
 
 # What the numbers of a sampled result depend on.
 PACKAGES = ("emcee", "numpy", "scipy", "arviz_stats")
@@ -90,8 +89,10 @@ def interval_facts(interval: tuple[float, float]) -> dict[str, Any]:
     return {"interval": list(interval), "interval_probability": INTERVAL_PROBABILITY}
 
 
-def evidence_facts(posterior: SampledPosterior) -> dict[str, Any]:
-    """Collect what tells whether to trust a sampled evidence."""
+def evidence_facts(posterior: Posterior) -> dict[str, Any] | None:
+    """Collect what tells whether to trust a sampled evidence; None for a closed form."""
+    if posterior.estimate is None:
+        return None
     found = asdict(posterior.estimate)
     found["warnings"] = list(found["warnings"])
     shown = {k: finite(v) if isinstance(v, float) else v for k, v in found.items()}

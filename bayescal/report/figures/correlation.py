@@ -58,7 +58,7 @@ def draw(found: FamilyComparison) -> Figure:
     panel.tick_params(length=0, labelsize=8.5 if size < 30 else 5)
     for spine in panel.spines.values():
         spine.set_visible(False)
-    panel.set_title(f"correlation, {model.name}", loc="left")
+    panel.set_title(f"correlation, {model.key}", loc="left")
     figure.colorbar(mesh, ax=panel, fraction=0.035, pad=0.01, label="correlation [1]")
     return figure
 
@@ -96,6 +96,6 @@ def alt_text(found: FamilyComparison) -> str:
     strongest = f"The strongest: {said}." if said else f"None is beyond {STRONG:g}."
     weak = " ".join(f"{line[0].upper()}{line[1:]}" for line in weak_lines(model.posterior))
     return (
-        f"Table of the correlations of the {len(names)} parameters of {model.name}. {strongest} "
+        f"Table of the correlations of the {len(names)} parameters of {model.key}. {strongest} "
         f"{weak}"
     ).rstrip()

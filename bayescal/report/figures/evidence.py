@@ -12,7 +12,6 @@ from bayescal.comparison.defence.sensitivity import TauSensitivity, tau_sensitiv
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
-from bayescal.inference.posterior import Posterior
 from bayescal.report.figures.style import BLUE, CYCLE, DASHES, GREY, PALE, WIDTH
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import significant
@@ -52,7 +51,7 @@ def draw(subject: Subject) -> Figure:
 
 def _sensitivity(axis: AxisComparison) -> TauSensitivity:
     models = {
-        r.order: r.posterior.exact.model for r in axis.orders if isinstance(r.posterior, Posterior)
+        r.order: r.posterior.exact.model for r in axis.orders if r.posterior.exact is not None
     }
     if len(models) < len(axis.orders):
         raise InputError("evidence over fixed tau is had of models with a closed form only")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from bayescal.comparison.defence.defence import Prediction
+from bayescal.comparison.defence.results import Prediction
 from bayescal.errors import InputError
 from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH
 from bayescal.report.figures.subject import Subject

@@ -24,8 +24,8 @@ NAMED = 4
 def draw(found: FamilyComparison) -> Figure:
     """Draw a panel per family and position, all on one scale; the best model is framed."""
     families = list(dict.fromkeys(found.request.families))
-    positions = [p for p in (STATED, FREE) if any(m.name.position == p for m in found.models)]
-    grids = {f: _grid([m for m in found.models if m.name.family == f]) for f in families}
+    positions = [p for p in (STATED, FREE) if any(m.key.position == p for m in found.models)]
+    grids = {f: _grid([m for m in found.models if m.key.family == f]) for f in families}
     heights = [ROW * len(rows) + ROOM for rows, _ in grids.values()]
     across = max(len(columns) for _, columns in grids.values())
     figure = Figure(figsize=(WIDTH, sum(heights) + BAR), layout="constrained")
@@ -34,8 +34,8 @@ def draw(found: FamilyComparison) -> Figure:
     mesh = None
     for line, family in zip(panels, families, strict=True):
         for panel, position in zip(line, positions, strict=True):
-            of = [m for m in found.models if m.name.family == family]
-            kind = [m for m in of if m.name.position == position]
+            of = [m for m in found.models if m.key.family == family]
+            kind = [m for m in of if m.key.position == position]
             if not kind:
                 panel.set_axis_off()
                 continue
@@ -53,7 +53,7 @@ def draw(found: FamilyComparison) -> Figure:
 
 def _grid(models: list[JointModel]) -> tuple[list[int], list[int]]:
     """Orders down (one row where a model has a single order) and across."""
-    orders = [m.name.orders for m in models]
+    orders = [m.key.orders for m in models]
     rows = sorted({o[0] for o in orders}) if len(orders[0]) > 1 else [0]
     return rows, sorted({o[-1] for o in orders})
 
@@ -69,11 +69,11 @@ def _panel(
     """Draw the cells of one family at one kind of position."""
     rows, columns = grid
     top = max(m.log_evidence for m in found.models)
-    pairs = len(models[0].name.orders) > 1
+    pairs = len(models[0].key.orders) > 1
     table = np.full((len(rows), len(columns)), np.nan)
     for model in models:
-        i = rows.index(model.name.orders[0]) if pairs else 0
-        j = columns.index(model.name.orders[-1])
+        i = rows.index(model.key.orders[0]) if pairs else 0
+        j = columns.index(model.key.orders[-1])
         table[i, j] = value = model.log_evidence - top
         if write:
             panel.text(
@@ -84,7 +84,7 @@ def _panel(
                 va="center",
                 fontsize=8.5,
                 color="white" if value > -0.45 * RANGE else "black",
-                weight="bold" if model.name in found.verdict.plausible else "normal",
+                weight="bold" if model.key in found.verdict.plausible else "normal",
             )
         if model is found.best:
             frame = Rectangle((j - 0.5, i - 0.5), 1, 1, fill=False, ec=VERMILLION, lw=2, zorder=3)
@@ -106,7 +106,7 @@ def _panel(
 
 
 def _order_words(model: JointModel) -> str:
-    return "radial coefficients" if model.name.family == PINHOLE else "total degree"
+    return "radial coefficients" if model.key.family == PINHOLE else "total degree"
 
 
 def _number(value: float) -> str:
@@ -121,15 +121,15 @@ def alt_text(found: FamilyComparison) -> str:
     """Say the most probable models, and the best of every family and position."""
     top = max(m.log_evidence for m in found.models)
     first = ", ".join(
-        f"{m.name} ({percent(chance)})"
+        f"{m.key} ({percent(chance)})"
         for m, chance in list(zip(found.models, found.probabilities, strict=True))[:NAMED]
     )
     kinds: dict[tuple[str, str], JointModel] = {}
     for m in found.models:
-        kind = m.name.family, m.name.position
+        kind = m.key.family, m.key.position
         if kind not in kinds or m.log_evidence > kinds[kind].log_evidence:
             kinds[kind] = m
-    bests = ", ".join(f"{m.name} {m.log_evidence - top:.1f}" for m in kinds.values())
+    bests = ", ".join(f"{m.key} {m.log_evidence - top:.1f}" for m in kinds.values())
     return (
         f"Table of the log evidence of {len(found.models)} models less the highest, by family, "
         f"order and camera position. Most probable: {first}. Best of each family and position, "

@@ -47,7 +47,7 @@ def _coordinate(panel: Axes, i: int, models: list[JointModel], prior: PositionPr
             weights=np.full(len(values), BINS / (high - low) / len(values)),
             histtype="step",
             linewidth=1.4,
-            label=f"{model.name.family} {model.name.order}",
+            label=f"{model.key.family} {model.key.order}",
             color=CYCLE[k],
             linestyle=DASHES[k % len(DASHES)],
         )
@@ -68,8 +68,8 @@ def _models(found: FamilyComparison) -> list[JointModel]:
     """Give the most probable sampled model of each family at a free position."""
     out: dict[str, JointModel] = {}
     for model in found.models:
-        if model.posterior is not None and model.name.position == FREE:
-            out.setdefault(model.name.family, model)
+        if model.posterior is not None and model.key.position == FREE:
+            out.setdefault(model.key.family, model)
     if not out:
         raise InputError("no model with a free camera position was sampled")
     return list(out.values())
@@ -99,7 +99,7 @@ def alt_text(found: FamilyComparison) -> str:
     """Say mean and sd of each model's coordinates, and the prior."""
     prior = position_prior(found.points)
     parts = [
-        f"{model.name}: " + ", ".join(f"{'xyz'[i]} {_found(model, i)}" for i in range(3))
+        f"{model.key}: " + ", ".join(f"{'xyz'[i]} {_found(model, i)}" for i in range(3))
         for model in _models(found)
     ]
     stated = ", ".join(

@@ -9,7 +9,6 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.errors import InputError
-from bayescal.inference.posterior import Posterior
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.polynomials.basis import Domain, MonomialMap
 
@@ -53,14 +52,14 @@ class Subject:
     def exact(self) -> ExactPosterior | None:
         """Closed form of the order's posterior; None where it has none."""
         posterior = self.result.posterior
-        return posterior.exact if isinstance(posterior, Posterior) else None
+        return posterior.exact if posterior.exact is not None else None
 
     @property
     def amplitude_draws(self) -> Array:
         """Legendre amplitudes of every draw of the coefficients, ``(n_draws, p)``, px."""
         posterior, data = self.result.posterior, self.axis.data
         size = self.result.order + 1
-        if isinstance(posterior, Posterior):  # they are what was sampled
+        if posterior.exact is not None:  # they are what was sampled
             return posterior.chain.theta[..., :size].reshape(-1, size)
         columns = [posterior.names.index(f"{data.symbol}_{j}") for j in range(size)]
         coefficients = posterior.chain.draws[..., columns].reshape(-1, size)

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bayescal.arrays import Array
-from bayescal.comparison.families.residuals import joint_residuals
 from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.report.figures.image import arrow_scale, draw_arrows, image_spans, key_length
 from bayescal.report.figures.labels import name_points, printable_names
@@ -52,7 +51,7 @@ def draw(found: FamilyComparison) -> Figure:
         out = np.zeros(len(pixels), dtype=bool)
         out[panel.longest] = True
         quivers.append(draw_arrows(ax, points, pixels, panel.residuals, out, scale))
-        ax.set_title(f"{panel.model.name}\nroot mean square {panel.rms:.2f} px", loc="left")
+        ax.set_title(f"{panel.model.key}\nroot mean square {panel.rms:.2f} px", loc="left")
     for ax in axes[1:]:
         ax.set_ylabel("")
     key = key_length(np.concatenate([p.lengths for p in panels]))
@@ -67,8 +66,8 @@ def draw(found: FamilyComparison) -> Figure:
 def _panels(found: FamilyComparison) -> list[_Panel]:
     """Give the best model, then the best under the other treatment of the position."""
     chosen = [found.best]
-    chosen += [m for m in found.models if m.name.position != found.best.name.position][:1]
-    return [_Panel(m, joint_residuals(found, m).T) for m in chosen]
+    chosen += [m for m in found.models if m.key.position != found.best.key.position][:1]
+    return [_Panel(m, m.residuals.T) for m in chosen]
 
 
 def alt_text(found: FamilyComparison) -> str:
@@ -77,7 +76,7 @@ def alt_text(found: FamilyComparison) -> str:
     for panel in _panels(found):
         longest = ", ".join(f"{names[i]} ({panel.lengths[i]:.3g} px)" for i in panel.longest)
         parts.append(
-            f"{panel.model.name}: root mean square {panel.rms:.2f} px, the longest at points "
+            f"{panel.model.key}: root mean square {panel.rms:.2f} px, the longest at points "
             f"{longest}."
         )
     return f"Residuals over the image as arrows, from predicted to measured. {' '.join(parts)}"

@@ -7,14 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from bayescal.comparison.analysis import analyse_points
-from bayescal.comparison.defence.noise_evidence import NoiseEvidence
-from bayescal.comparison.key import Key
+from bayescal.comparison.judged import Judged
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.posterior import Posterior
-from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.stored import packed
 from bayescal.points.setup import AXES
 from bayescal.polynomials import separable
@@ -75,10 +73,10 @@ class ComparisonKind(RunKind[Comparison]):
     def draws(self, result: Comparison) -> dict[str, Draws]:
         """Draws of every order of every axis."""
         return {
-            Key.of_axis(name, found.order, axis.noise_model.name).file(
-                axis.noise_model.name
-            ): axis_draws(found.posterior, axis.data, found.order)
-            for name, axis in result.axes.items()
+            found.key.file(axis.noise_model.name): axis_draws(
+                found.posterior, axis.data, found.order
+            )
+            for axis in result.axes.values()
             for found in axis.orders
         }
 
@@ -107,7 +105,7 @@ class ComparisonKind(RunKind[Comparison]):
 COMPARISON = ComparisonKind()
 
 
-def axis_draws(posterior: Posterior | SampledPosterior, data: AxisData, order: int) -> Draws:
+def axis_draws(posterior: Posterior, data: AxisData, order: int) -> Draws:
     """Arrange the draws of one order of an axis for those who know nothing of bayescal."""
     return described(
         packed(posterior),
@@ -122,10 +120,10 @@ def axis_draws(posterior: Posterior | SampledPosterior, data: AxisData, order: i
 class _Stored(StoredDraws):
     """What a comparison's run keeps beside draws: numbers of its defence that take long."""
 
-    def noises(self, axis: str) -> tuple[NoiseEvidence, ...] | None:
+    def noises(self, axis: str) -> tuple[Judged, ...] | None:
         """Evidence under other noise models, where the run's defence has it."""
         defence = self._defence(axis)
-        return None if defence is None else noises_from(defence["noises"])
+        return None if defence is None else noises_from(defence["noises"], axis)
 
     def wins(self, axis: str, unit: str) -> dict[int, float] | None:
         """Bootstrap shares of an axis, which take most of a defence's time."""

@@ -78,10 +78,10 @@ class FamiliesKind(RunKind[FamilyComparison]):
             kept = model.posterior or model.weighted
             if kept is None:
                 continue
-            found[model.name.file(result.settings.noise)] = described(
+            found[model.key.file(result.settings.noise)] = described(
                 packed(kept),
                 dict(observed),
-                model=str(model.name),
+                model=str(model.key),
                 units="focal, centre, sigma, coefficients px; rotation degrees; position world "
                 "units; tau a fraction of the image; scale a factor",
                 library="bayescal" if model.posterior is None else "emcee",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from bayescal.comparison.key import Key
 from bayescal.comparison.outliers.analysis import find_outliers
 from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import OutlierStudy
@@ -62,12 +61,11 @@ class OutliersKind(RunKind[OutlierStudy]):
     def draws(self, result: OutlierStudy) -> dict[str, Draws]:
         """Draws of every order under every noise model that is sampled."""
         return {
-            Key.of_axis(name, order, treatment.evidence.name).file(): axis_draws(
-                posterior, axis.data, order
-            )
-            for name, axis in result.axes.items()
+            judged.key.file(): axis_draws(judged.posterior, axis.data, judged.key.orders[0])
+            for axis in result.axes.values()
             for treatment in axis.treatments
-            for order, posterior in treatment.evidence.posteriors.items()
+            for judged in treatment.orders
+            if judged.posterior is not None
         }
 
     def reopen(self, run: RunFiles, settings: Settings) -> OutlierStudy:

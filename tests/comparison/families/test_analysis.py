@@ -105,7 +105,7 @@ def test_families_under_robust_noise_are_on_one_scale(tmp_path):
     plain = bc.compare_families(bc.thesis(), ["separable"], [1], **both)
     light = bc.compare_families(bc.thesis(), ["separable"], [1], noise="student-t", nu=1e10, **both)
     for model in plain.models:
-        other = light[str(model.name)]
+        other = light[str(model.key)]
         error = math.hypot(model.log_evidence_error, other.log_evidence_error)
         assert other.log_evidence == pytest.approx(model.log_evidence, abs=4 * error + 5e-3)
         assert other.criteria.bic is None
@@ -127,12 +127,12 @@ def test_a_turned_camera_rejects_the_polynomials():
         turned_points(0.06), ["separable", "bivariate", "pinhole"], [1, 2], radial_orders=[0, 1],
         ess=400,
     )  # fmt: skip
-    assert str(found.best.name) == "pinhole 1, position free"
+    assert str(found.best.key) == "pinhole 1, position free"
     assert found.verdict.families["pinhole"] > 1 - 1e-12
     assert found.verdict.decided
     # The only other one within reach is the pinhole without distortion.
     assert found.verdict.log_bayes_factor > 100
-    pairs = [m for m in found.models if m.name.family == "separable"]
+    pairs = [m for m in found.models if m.key.family == "separable"]
     assert found.probabilities[-len(pairs) :] == (0, 0, 0, 0), "too small for a double"
     assert pairs == sorted(pairs, key=lambda m: -m.log_evidence)
 

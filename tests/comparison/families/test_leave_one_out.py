@@ -50,7 +50,7 @@ def test_leave_one_out_is_marked_where_its_weights_fail(thesis_families):
     assert all(m.loo.reliable for m in thesis_families.models)
     assert "? marks" not in plain
     best = thesis_families.best
-    heavy = replace(best, loo=replace(best.loo, pareto_k=0.8, k_limit=0.7))
+    heavy = replace(best, loo=replace(best.loo, pareto_k=np.array([0.8]), k_limit=0.7))
     marked = replace(thesis_families, models=(heavy, *thesis_families.models[1:]))
     shown = render(families_view(marked), terminal=False)
     assert max(len(line) for line in shown.splitlines()) <= 100

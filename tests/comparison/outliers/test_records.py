@@ -87,7 +87,7 @@ def test_the_thesiss_worst_points_are_found_and_named_as_one_wrong_world_value(s
     assert together.coordinates == {"y": 0.0, "z": 600.0}
     assert abs(together.error) == pytest.approx(15, abs=3)
     assert any("points 16 and 19 share y = 0, z = 600" in line for line in axis.explanations)
-    assert {t.evidence.order for t in axis.treatments} == {1}
+    assert {t.order for t in axis.treatments} == {1}
     assert "Gaussian noise is the wrong assumption" in axis.verdict
 
 
@@ -100,7 +100,7 @@ def _records(data, off, bad):
     n = len(data)
     elimination = eliminate(data, [1], RejectionRule())
     view = RobustView(data.t - off, np.full(n, 0.3), np.where(bad, 0.99, 0.01), np.ones(n))
-    loo = {1: LeaveOneOut(np.full(n, -2.0), -2.0 * n, 0.0, 2.0, 0)}
+    loo = {1: LeaveOneOut(np.full(n, -2.0), 2.0)}
     return point_records(data, elimination, 1, loo, {1: -100.0}, view)
 
 

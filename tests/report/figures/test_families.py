@@ -12,7 +12,6 @@ from matplotlib.quiver import Quiver
 from scipy.stats import norm
 
 import bayescal as bc
-from bayescal.comparison.families.residuals import joint_residuals
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.density.pinhole import PinholeModel
 from bayescal.errors import InputError
@@ -62,10 +61,10 @@ def test_every_model_stands_in_the_cell_of_its_orders(
             for frame in frames:
                 if frame.get_bbox().contains(j, i):
                     framed.append(f"{family} {order}, position {position}")
-    assert framed == [str(comparison.best.name)]
+    assert framed == [str(comparison.best.key)]
     assert len(shown) == len(comparison.models)
     for model in comparison.models:
-        assert shown[str(model.name)] == pytest.approx(model.log_evidence - top, abs=0.05)
+        assert shown[str(model.key)] == pytest.approx(model.log_evidence - top, abs=0.05)
 
 
 def test_correlations_are_those_of_the_draws(found: FamilyComparison) -> None:
@@ -93,7 +92,7 @@ def test_correlations_are_those_of_the_draws(found: FamilyComparison) -> None:
 def test_the_position_is_drawn_against_prior_and_statement(found: FamilyComparison) -> None:
     figure = FAMILY_KINDS["position"].draw(found)
     stated = bc.thesis().setup.position
-    models = [found.best, next(m for m in found.models if m.name.family == "separable")]
+    models = [found.best, next(m for m in found.models if m.key.family == "separable")]
     for i, panel in enumerate(figure.axes):
         prior, line = panel.lines
         assert set(line.get_xdata()) == {stated[i]}
@@ -124,11 +123,11 @@ def test_residuals_of_polynomials_are_those_of_their_sums(
     found: FamilyComparison, closed: FamilyComparison
 ) -> None:
     """Stated: the thesis's sums of squares. Free: the sums that the maximised likelihood has."""
-    e = joint_residuals(closed, closed["separable (4, 1), position stated"])
+    e = closed["separable (4, 1), position stated"].residuals
     assert (e**2).sum(axis=1) == pytest.approx([737.9, 644.7], abs=0.05)
     n = e.shape[1]
-    for model in [*closed.models, *(m for m in found.models if m.name.family == "separable")]:
-        rss = (joint_residuals(found if model in found.models else closed, model) ** 2).sum(axis=1)
+    for model in [*closed.models, *(m for m in found.models if m.key.family == "separable")]:
+        rss = (model.residuals**2).sum(axis=1)
         maximised = -n / 2 * (np.log(2 * np.pi * rss / n) + 1).sum()
         assert maximised == pytest.approx(model.criteria.log_likelihood, abs=1e-6)
 
@@ -141,17 +140,17 @@ def test_residuals_of_a_pinhole_are_those_of_the_thesis_s_steps(found: FamilyCom
     points = found.points
     predicted = pixels(points.world, np.exp(theta[:2]), theta[2:4], theta[4:7], model.position)
     measured = np.column_stack([points.pixel(a) for a in "rc"])
-    assert pytest.approx(measured - predicted, abs=1e-6) == joint_residuals(found, model).T
+    assert pytest.approx(measured - predicted, abs=1e-6) == model.residuals.T
 
 
 def test_arrows_are_the_residuals_of_the_best_of_each_position(found: FamilyComparison) -> None:
     panels = FAMILY_KINDS["vectors"].draw(found).axes
-    other = next(m for m in found.models if m.name.position == "stated")
+    other = next(m for m in found.models if m.key.position == "stated")
     for panel, model in zip(panels, (found.best, other), strict=True):
         (arrows,) = (c for c in panel.collections if isinstance(c, Quiver))
-        assert np.array([arrows.U, arrows.V]) == pytest.approx(joint_residuals(found, model))
-        assert str(model.name) in panel.get_title(loc="left")
-        rms = np.sqrt((joint_residuals(found, model) ** 2).sum(axis=0).mean())
+        assert np.array([arrows.U, arrows.V]) == pytest.approx(model.residuals)
+        assert str(model.key) in panel.get_title(loc="left")
+        rms = np.sqrt((model.residuals**2).sum(axis=0).mean())
         assert f"{rms:.2f} px" in panel.get_title(loc="left")
     scales = {c.scale for p in panels for c in p.collections if isinstance(c, Quiver)}
     assert len(scales) == 1  # lengths compare across panels

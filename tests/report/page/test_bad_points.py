@@ -59,9 +59,9 @@ def test_each_treatment_has_its_row(made: str, study: OutlierStudy):
     table = made[made.index('<div class="tabled" id="treatments-c"') :]
     table = table[: table.index("</table>")]
     for treatment in study.axes["c"].treatments:
-        for value in treatment.evidence.log_evidence.values():
+        for value in treatment.log_evidence.values():
             assert f'data-value="{value}"' in table
-        found = treatment.evidence
+        found = treatment
         assert f'data-value="{found.probability[found.order]}"' in table
 
 

@@ -71,7 +71,7 @@ def families_section(found: FamilyComparison) -> Section:
     camera = ("camera", f"stated at ({x:g}, {y:g}, {z:g}), world units")
     blocks.append(Part("What was assumed", (Facts((camera, *assumed_lines(found))),)))
     blocks.append(Part("What is left over, over the image", (_picture(found, "vectors"),)))
-    blocks += [Part(f"Parameters of {m.name}", _parameters(m)) for m in _shown(found)]
+    blocks += [Part(f"Parameters of {m.key}", _parameters(m)) for m in _shown(found)]
     sampled = _picture(found, "position"), _picture(found, "correlation")
     blocks.append(Part("Camera position, and what moves together", (*sampled, *_weak(found))))
     return Section(
@@ -85,7 +85,7 @@ def families_section(found: FamilyComparison) -> Section:
 
 def _verdict(found: FamilyComparison) -> list[Block]:
     """Say in large type what was found, then in words."""
-    best, verdict = found.best.name, found.verdict
+    best, verdict = found.best.key, found.verdict
     standing = f"{percent(found.probabilities[0])} probable"
     others = len(verdict.plausible) - 1
     if len(found.models) == 1:
@@ -121,8 +121,8 @@ def _parameters(model: JointModel) -> tuple[Block, ...]:
     how = "in closed form" if model.posterior is None else "from draws of emcee"
     return (
         Tabled(
-            f"families-{model.name.file(model.name.noise)}",
-            f"Posterior of the parameters of {model.name}, {how}.",
+            f"families-{model.key.file(model.key.noise)}",
+            f"Posterior of the parameters of {model.key}, {how}.",
             parameters_table(model),
             (MEANINGS, *map(_sentence, power_words(model))),
         ),
@@ -135,7 +135,7 @@ def _weak(found: FamilyComparison) -> tuple[Block, ...]:
     for model in found.models:
         if model.posterior is not None:
             lines = tuple(map(_sentence, weak_lines(model.posterior)))
-            none = f"No combination of parameters of {model.name} is weakly identified."
+            none = f"No combination of parameters of {model.key} is weakly identified."
             blocks.append(Listing(lines or (none,)))
             break
     words = sampling_words(found)

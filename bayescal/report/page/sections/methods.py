@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 
-from bayescal.inference.posterior import Posterior
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.page.blocks import Block, Listing, Prose, Section
@@ -101,7 +100,7 @@ def _inference(subject: PageSubject, cite: Cite) -> Iterable[str]:
         "the chains were longer than 50 autocorrelation times"
         + ("." if all(r.posterior.converged for r in results) else "; not all models reached it.")
     )
-    if all(isinstance(r.posterior, Posterior) for r in results):
+    if all(r.posterior.exact is not None for r in results):
         yield (
             f"The closed-form posterior {cite('bishop')}, with sigma and tau integrated by "
             "quadrature, gave the evidence and checked the means and standard deviations of the "
@@ -121,8 +120,8 @@ def _families(subject: PageSubject) -> Iterable[str]:
     found = subject.families
     if found is None:
         return
-    names = list(dict.fromkeys(m.name.family for m in found.models))
-    places = sorted({m.name.position for m in found.models}, reverse=True)
+    names = list(dict.fromkeys(m.key.family for m in found.models))
+    places = sorted({m.key.position for m in found.models}, reverse=True)
     one, together = len(found.models) == 1, "of r and c together"
     yield (
         f"Beside them, {'one model' if one else f'{len(found.models)} models'} {together} "

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.defence.noise_evidence import NoiseEvidence, noise_words
+from bayescal.comparison.defence.other_noise import noise_words
+from bayescal.comparison.judged import Judged
+from bayescal.comparison.key import Key
 from bayescal.report.other_noises import other_noise_lines
 
 
+def judged(noise, lead, error, warnings=()):
+    """Order 2 of c under some noise, so much more probable than exp(-100)."""
+    return Judged(
+        key=Key.of_axis("c", 2, noise),
+        log_evidence=-100.0 + lead,
+        log_evidence_error=error,
+        warnings=warnings,
+    )
+
+
 def other(lead, error, warnings=()):
-    doubts = {2: warnings} if warnings else {}
-    return NoiseEvidence("student-t", {2: -100.0 + lead}, {2: error}, doubts, {})
+    return judged("student-t", lead, error, warnings)
 
 
 @pytest.mark.parametrize(
@@ -26,13 +35,13 @@ def other(lead, error, warnings=()):
     ],
 )
 def test_a_lead_counts_beyond_the_errors_of_both(lead, error, own_error, said):
-    text, caveat = noise_words("outlier-mixture", -100.0, [other(lead, error)], own_error)
+    text, caveat = noise_words(judged("outlier-mixture", 0.0, own_error), [other(lead, error)])
     assert (caveat is not None) == said
     assert bool(text) != said
 
 
 def test_a_lead_that_rests_on_a_doubtful_evidence_says_so():
-    _, caveat = noise_words("gaussian", -100.0, [other(9.0, 0.01, ("Pareto k",))])
+    _, caveat = noise_words(judged("gaussian", 0.0, 0.0), [other(9.0, 0.01, ("Pareto k",))])
     assert "should not be trusted" in caveat
 
 
@@ -45,7 +54,7 @@ def test_a_known_sigma_is_no_standard_deviation_under_student_t(sigma, said):
 
 def test_the_priors_of_other_noise_are_printed(thesis_comparison):
     """Gamma has two parametrisations, and an evidence without its prior says nothing."""
-    student, mixture = other(1.0, 0.01), replace(other(1.0, 0.01), name="outlier-mixture")
+    student, mixture = other(1.0, 0.01), judged("outlier-mixture", 1.0, 0.01)
     (line,) = other_noise_lines(thesis_comparison.axes["c"], (student, mixture))
     assert "Gamma(shape 2, rate 0.1)" in line
     assert "log-uniform from 5 to 1000 px" in line

@@ -1,0 +1,102 @@
+"""What every candidate of r and c together has in common: the data, and the way to its result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from bayescal.arrays import Array, frozen
+from bayescal.comparison.axis import Axis
+from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.families.models import (
+    Wanted,
+    joint_criteria,
+    joint_goodness,
+    linear_residuals,
+)
+from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.goodness import GoodnessOfFit
+from bayescal.comparison.key import Key
+from bayescal.comparison.leave_one_out import LeaveOneOut
+from bayescal.comparison.psis import LeftOut, Without, sampled_leave_one_out
+from bayescal.density.joint_data import JointData
+from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.inference.weighting import WeightedDraws
+from bayescal.points.correspondences import Correspondences
+
+# Share of the weight of all that one weighted draw may have: of its copies the tail that tells
+# of a point left out would be made.
+HEAVIEST = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Likelihood:
+    """Criteria and chi-squared of a joint model at its highest likelihood."""
+
+    criteria: Criteria
+    goodness: GoodnessOfFit | None = None
+
+    @classmethod
+    def of(cls, data: JointData, rss: Array, k: int) -> Likelihood:
+        """Collect what the weighted `rss` of each axis, ``(2,)``, says of `k` parameters."""
+        return cls(joint_criteria(data, rss, k), joint_goodness(data, rss, k))
+
+
+@dataclass(frozen=True, eq=False)
+class LinearPair:
+    """Both axes of a linear family, each of one order.
+
+    Attributes
+    ----------
+    key : Key
+    points : Correspondences
+    axes : tuple of Axis
+    wanted : Wanted
+    """
+
+    key: Key
+    points: Correspondences
+    axes: tuple[Axis, Axis]
+    wanted: Wanted
+
+    @property
+    def parts(self) -> tuple[Key, Correspondences, tuple[Axis, Axis], Wanted]:
+        """What a candidate begins with."""
+        return self.key, self.points, self.axes, self.wanted
+
+    def residuals(self, position: Array) -> Array:
+        """Least squares' residuals at a camera position, ``(2, n_points)``, px."""
+        return frozen(linear_residuals(self.points, self.axes, self.wanted.pair, position))
+
+
+def judged_by(
+    drawn: SampledPosterior | WeightedDraws,
+    likelihood: Likelihood,
+    left_out: LeftOut,
+    without: Without | None = None,
+    **named: Any,
+) -> JointModel:
+    """Say what draws, sampled or weighted, say of a candidate: its evidence and leave-one-out."""
+    loo = None
+    if drawn.heaviest <= HEAVIEST:
+        loo = sampled_leave_one_out(drawn, left_out, without)
+    kept = "weighted" if isinstance(drawn, WeightedDraws) else "posterior"
+    return result_of(drawn, likelihood, loo, **{kept: drawn}, **named)
+
+
+def result_of(
+    drawn: SampledPosterior | WeightedDraws,
+    likelihood: Likelihood,
+    loo: LeaveOneOut | None,
+    **named: Any,
+) -> JointModel:
+    """Make the result of a model that has draws."""
+    return JointModel(
+        log_evidence=drawn.estimate.log_evidence,
+        log_evidence_error=drawn.estimate.error,
+        warnings=drawn.estimate.warnings,
+        loo=loo,
+        criteria=likelihood.criteria,
+        goodness=likelihood.goodness,
+        **named,
+    )
