@@ -89,17 +89,7 @@ def sampled_caveats(results: Sequence[OrderResult], noise: NoiseLevel) -> list[s
 
 
 def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str, ...]:
-    """Say what is odd about the points, and what was assumed because nobody said otherwise.
-
-    Parameters
-    ----------
-    points : Correspondences
-    axes : iterable of AxisComparison
-
-    Returns
-    -------
-    tuple of str
-    """
+    """Say what is odd about the points, and what was assumed because nobody said otherwise."""
     return (
         *point_notes(points),
         *behind_notes(points),

@@ -42,16 +42,10 @@ def criteria(fit: LeastSquaresFit, noise: NoiseLevel, n: int, log_sd: float = 0.
 
     Parameters
     ----------
-    fit : LeastSquaresFit
-    noise : NoiseLevel
     n : int
         Number of points.
     log_sd : float, optional
         Sum of ln sd over points whose deviations are known.
-
-    Returns
-    -------
-    Criteria
     """
     return criteria_from(fit.rss, len(fit.coefficients), noise, n, exact=fit.exact, log_sd=log_sd)
 
@@ -71,18 +65,12 @@ def criteria_from(
     ----------
     rss : float
         Residual sum of squares, px^2 (with known deviations: dimensionless).
-    n_coefficients : int
-    noise : NoiseLevel
     n : int
         Number of points.
     exact : bool, optional
         Whether the residuals are rounding, so that there is no likelihood.
     log_sd : float, optional
         Sum of ln sd over points whose deviations are known.
-
-    Returns
-    -------
-    Criteria
     """
     sigma = noise.plug_in
     inferred = sigma is None

@@ -45,7 +45,6 @@ def reference_sigma(
 
     Parameters
     ----------
-    noise : NoiseLevel
     highest : LeastSquaresFit
         Of the highest order compared.
     replicates : tuple
@@ -99,11 +98,6 @@ def goodness_of_fit(
     ----------
     fit, highest : LeastSquaresFit
         The order, and the highest order compared.
-    reference : ReferenceSigma
-
-    Returns
-    -------
-    GoodnessOfFit
     """
     dof, f_p = fit.dof, None
     chi2 = None if reference.value is None else fit.rss / reference.value**2
@@ -127,9 +121,6 @@ def chi_squared(
 
     Parameters
     ----------
-    chi2 : float or None
-    dof : int
-    known : bool
     f_p_value : float, optional
         To go with it.
     """

@@ -105,7 +105,6 @@ def leave_one_out(data: AxisData, exact: ExactPosterior) -> LeaveOneOut | None:
     ----------
     data : AxisData
         The points that `exact` was made from.
-    exact : ExactPosterior
 
     Returns
     -------

@@ -150,8 +150,6 @@ def noise_level(data: AxisData, settings: Settings, other: Array | None, order: 
 
     Parameters
     ----------
-    data : AxisData
-    settings : Settings
     other : Array or None
         The other axis's regressor, which replicates must share too.
     order : int
@@ -235,10 +233,8 @@ def check_resolved(where: str, noise: NoiseLevel, rss: float, n: int, order: int
     ----------
     where : str
         The data and their axis, for the message.
-    noise : NoiseLevel
     rss : float
         Weighted sum of squares of the highest order, of `n` points.
-    n, order : int
 
     Raises
     ------

@@ -77,10 +77,6 @@ def judge(
         By order; empty where there are none, the noise not being Gaussian.
     caveats : sequence of str
         What the comparison can't vouch for.
-
-    Returns
-    -------
-    AxisVerdict
     """
     aic_name, aicc_order = _preferred_aic(criteria)
     bic_order = _smallest({k: c.bic for k, c in criteria.items()})

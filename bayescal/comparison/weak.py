@@ -26,7 +26,6 @@ def weak_combinations(
 
     Parameters
     ----------
-    names : sequence of str
     matrix : Array
         Correlation matrix, square in the names.
 

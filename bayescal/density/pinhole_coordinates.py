@@ -27,8 +27,6 @@ def suited(
     ----------
     geometry : PinholeGeometry
         Of the fit, with the anchor.
-    prior : PositionPrior
-    fit : PinholeFit
 
     Returns
     -------

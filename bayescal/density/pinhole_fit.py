@@ -67,14 +67,8 @@ def fit_pinhole(
     ----------
     points : Correspondences
         For messages.
-    geometry : PinholeGeometry
     prior : PinholePrior
         Says where a start may be taken from; not part of the likelihood.
-    data : JointData
-
-    Returns
-    -------
-    PinholeFit
 
     Raises
     ------

@@ -29,23 +29,12 @@ STEP = 0.65
 def weighted_evidence(
     model: GaussianPinhole, rng: np.random.Generator, draws: int
 ) -> EvidenceEstimate:
-    """Evidence from weighted draws of the ladder alone, without a chain.
-
-    Parameters
-    ----------
-    model : GaussianPinhole
-    rng : numpy.random.Generator
-    draws : int
-    """
+    """Evidence from weighted draws of the ladder alone, without a chain."""
     return from_weights(drawn(model, mixture_about(*ladder(model)), rng, draws)[1])
 
 
 def ladder(model: GaussianPinhole) -> tuple[tuple[Mode, ...], Array]:
     """Laplace approximation at each tau of a ladder, and the log of its share of the evidence.
-
-    Parameters
-    ----------
-    model : GaussianPinhole
 
     Returns
     -------

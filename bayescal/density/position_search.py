@@ -36,7 +36,6 @@ def best_position(axes: Sequence[MovingAxis], prior: PositionPrior) -> Array:
 
     Parameters
     ----------
-    axes : sequence of MovingAxis
     prior : PositionPrior
         Where to start, and on which side of the points to stay.
 
@@ -139,7 +138,6 @@ def linearised(axis: MovingAxis, position: Array, *, slopes: bool = True) -> tup
 
     Parameters
     ----------
-    axis : MovingAxis
     position : Array
         ``(3,)``.
     slopes : bool, optional

@@ -124,7 +124,6 @@ def paired(r: SampledPosterior, c: SampledPosterior, model: RobustPair) -> Sampl
 
     Parameters
     ----------
-    r, c : SampledPosterior
     model : RobustPair
         Of their models.
     """

@@ -238,11 +238,6 @@ def robust_position(
     Cauchy's weights (Holland & Welsch 1977) from the median residual of each axis, renewed
     until the position settles.
 
-    Parameters
-    ----------
-    axes : sequence of MovingAxis
-    prior : PositionPrior
-
     Returns
     -------
     position : Array

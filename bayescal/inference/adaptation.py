@@ -77,7 +77,6 @@ def adapt(log_density: LogDensity, modes: tuple[Mode, ...], rng: np.random.Gener
         From ``(n, dimension)`` to ``(n,)``.
     modes : tuple of Mode
         At least one.
-    rng : numpy.random.Generator
     """
     narrow = _laplace(modes)
     proposal = _defended(narrow, modes[0].theta, INFLATED * modes[0].root, modes)
@@ -174,12 +173,10 @@ def refine(
     ----------
     log_density : callable
         From ``(n, dimension)`` to ``(n,)``.
-    adapted : Adapted
     modes : tuple of Mode
         That it came from.
     chain : tuple of Array
         Draws of the posterior, ``(n, dimension)``, and the density there, ``(n,)``.
-    rng : numpy.random.Generator
     """
     step = -(-len(chain[0]) // REFINED)
     theta, log_p = (values[::step] for values in chain)

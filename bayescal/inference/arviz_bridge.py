@@ -197,13 +197,7 @@ class Draws:
 
 
 def write_netcdf(path: Path, draws: Draws) -> None:
-    """Write draws as NetCDF with ArviZ's groups; the same draws give the same bytes.
-
-    Parameters
-    ----------
-    path : Path
-    draws : Draws
-    """
+    """Write draws as NetCDF with ArviZ's groups; the same draws give the same bytes."""
     import arviz_base
 
     observed = draws.groups.get("observed_data", {})

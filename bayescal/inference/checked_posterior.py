@@ -100,18 +100,12 @@ def sample_posterior(
 
     Parameters
     ----------
-    model : LinearModel
-    rng : numpy.random.Generator
     ess : int
         Effective samples wanted of every parameter.
     exact : ExactPosterior, optional
         The closed form, where it is already at hand.
     proposal : Proposal, optional
         By default the closed form, interpolated.
-
-    Returns
-    -------
-    CheckedPosterior
     """
     exact = exact if exact is not None else exact_posterior(model)
     to_monomials = model.factors.monomials.lead(model.order).T

@@ -75,7 +75,6 @@ def sample_ensembles(
         Coordinates emcee samples in.
     finish : callable
         From kept draws of theta and a generator to completed and to reported ones.
-    rng : numpy.random.Generator
     ess : int
         Effective samples wanted of every parameter.
 

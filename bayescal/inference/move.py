@@ -42,14 +42,8 @@ class IndependenceMove(Move):
     def propose(self, model: Any, state: Any) -> tuple[Any, Any]:
         """Propose a new state for every walker and accept or keep the old one.
 
-        Parameters
-        ----------
-        model : emcee.model.Model
-        state : emcee.State
-
         Returns
         -------
-        state : emcee.State
         accepted : ndarray of bool
             ``(n_walkers,)``.
         """

@@ -209,13 +209,7 @@ def parameters_table(caption: str, parameters: Sequence[ParameterSummary]) -> st
 
 
 def summarise(names: tuple[str, ...], chain: Chain) -> tuple[ParameterSummary, ...]:
-    """Summarise the draws of every reported parameter.
-
-    Parameters
-    ----------
-    names : tuple of str
-    chain : Chain
-    """
+    """Summarise the draws of every reported parameter."""
     flat = chain.draws.reshape(-1, chain.draws.shape[2])
     tail = (1 - INTERVAL_PROBABILITY) / 2
     lower, upper = np.quantile(flat, [tail, 1 - tail], axis=0)

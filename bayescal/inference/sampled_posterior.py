@@ -114,18 +114,12 @@ def sample_model(
 
     Parameters
     ----------
-    model : SampledModel
-    rng : numpy.random.Generator
     ess : int
         Effective samples wanted of every parameter.
     guess : Guess, optional
         By default a proposal is adapted to the density.
     evidence_draws : int, optional
         Draws of the proposal that the evidence is taken from.
-
-    Returns
-    -------
-    SampledPosterior
 
     Raises
     ------

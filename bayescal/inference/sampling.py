@@ -75,18 +75,12 @@ def sample(
     ----------
     log_prob : callable
         From parameters ``(n, dimension)`` to log densities ``(n,)``.
-    proposal : Proposal
     whitening : Whitening
         Coordinates emcee samples in.
     report : callable
         From parameters ``(n, dimension)`` to reported ones ``(n, n_parameters)``.
-    rng : numpy.random.Generator
     ess : int
         Effective samples wanted of every parameter.
-
-    Returns
-    -------
-    Chain
     """
     whitened = WhitenedProposal(proposal, whitening)
     move = IndependenceMove(whitened, rng)
@@ -113,14 +107,8 @@ def quiet_sampler(
 
     Parameters
     ----------
-    walkers, dimension : int
     log_prob : callable
         From all walkers at once, ``(n, dimension)``, to log densities ``(n,)``.
-    move : emcee.moves.Move
-
-    Returns
-    -------
-    emcee.EnsembleSampler
     """
     sampler = emcee.EnsembleSampler(walkers, dimension, log_prob, moves=move, vectorize=True)
     # emcee wraps the density to print whatever it raises, with its trace, before passing it

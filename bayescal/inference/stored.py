@@ -63,7 +63,6 @@ def pack(chain: Chain, names: tuple[str, ...]) -> Draws:
 
     Parameters
     ----------
-    chain : Chain
     names : tuple of str
         Of the reported parameters, the last axis of ``chain.draws``.
 
@@ -96,7 +95,6 @@ def unpack(draws: Draws, names: tuple[str, ...]) -> Chain:
 
     Parameters
     ----------
-    draws : Draws
     names : tuple of str
         Of the parameters that the model reports.
 
@@ -131,7 +129,6 @@ def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
 
     Parameters
     ----------
-    draws : Draws
     model : SampledModel
         That the draws are of.
 
@@ -155,12 +152,7 @@ def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
 
 
 def pack_weighted(draws: WeightedDraws) -> Draws:
-    """Arrange weighted draws: those picked as a chain of their own, and all log weights.
-
-    Parameters
-    ----------
-    draws : WeightedDraws
-    """
+    """Arrange weighted draws: those picked as a chain of their own, and all log weights."""
     names, reported = draws.model.names, draws.model.report(draws.full)
     return Draws(
         {
@@ -178,7 +170,6 @@ def unpack_weighted(draws: Draws, model: SampledModel) -> WeightedDraws:
 
     Parameters
     ----------
-    draws : Draws
     model : SampledModel
         That the draws are of.
 

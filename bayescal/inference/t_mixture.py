@@ -84,7 +84,6 @@ class TMixture:
             ``(n, dimension)``.
         weights : Array
             ``(n,)``, summing to 1.
-        steps : int
         floor : float
             Share of the draws' covariance that is added to each component's, so that
             none collapses.

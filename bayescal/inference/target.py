@@ -16,7 +16,6 @@ def log_prob(model: LinearModel, theta: Array) -> Array:
 
     Parameters
     ----------
-    model : LinearModel
     theta : Array
         Amplitudes b_0 ... b_k (px), then ln sigma and ln tau where they are
         inferred, ``(n_draws, dimension)``.

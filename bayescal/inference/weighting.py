@@ -68,10 +68,8 @@ def weigh(
 
     Parameters
     ----------
-    model : SampledModel
     proposal : TMixture
         Near the posterior, with heavier tails.
-    rng : numpy.random.Generator
     n : int
         Number of draws.
     """

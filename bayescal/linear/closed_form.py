@@ -270,10 +270,6 @@ class ExactPosterior:
 def exact_posterior(model: LinearModel) -> ExactPosterior:
     """Closed-form posterior and evidence of a linear Gaussian model.
 
-    Parameters
-    ----------
-    model : LinearModel
-
     Returns
     -------
     ExactPosterior

@@ -89,10 +89,6 @@ def fit_design(design: Array, t: Array) -> DesignFit:
     t : Array
         Measured pixels, ``(n_points,)``, px.
 
-    Returns
-    -------
-    DesignFit
-
     Raises
     ------
     InputError

@@ -33,10 +33,6 @@ def with_effective_deviations(data: AxisData, sigma: Array, order: int) -> AxisD
         The order whose slope carries the errors: the highest compared, so that all
         orders are judged on the same data with the same deviations.
 
-    Returns
-    -------
-    AxisData
-
     Raises
     ------
     InputError

@@ -165,10 +165,8 @@ def log_evidences(
     ----------
     data : Reduced
         With one leading axis, ``(n_sets, ...)``.
-    noise : NoiseLevel
     prior : CoefficientPrior
         Of that order.
-    accuracy : Accuracy, optional
 
     Returns
     -------
@@ -197,7 +195,6 @@ def log_evidence_over_tau(
     ----------
     data : Reduced
         Of one data set.
-    noise : NoiseLevel
     prior : CoefficientPrior
         Its own tau is not used.
     log_tau : Array

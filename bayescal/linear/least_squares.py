@@ -92,7 +92,6 @@ def factorise(data: AxisData, order: int) -> Factorisation:
 
     Parameters
     ----------
-    data : AxisData
     order : int
         Highest order wanted.
 
@@ -180,16 +179,11 @@ def solve(factors: Factorisation, order: int, sigma: float | None = None) -> Lea
 
     Parameters
     ----------
-    factors : Factorisation
     order : int
         Up to the factorised one.
     sigma : float, optional
         Known noise level for the standard errors (1 with known deviations);
         by default `sigma_hat` of the fit.
-
-    Returns
-    -------
-    LeastSquaresFit
     """
     data = factors.reduced(order)
     amplitudes = solve_triangular(data.r, data.qt)

@@ -110,11 +110,9 @@ def follow(
         leading axes count families (models), each judged by its own maximum.
     breaks : Array
         Ascending ends of the first panels, ``(n_panels + 1,)``.
-    accuracy : Accuracy, optional
 
     Returns
     -------
-    rule : Rule
     values : Array
         Log densities at its nodes, ``(..., n_densities, n_nodes)``.
     """

@@ -16,7 +16,7 @@ from bayescal.linear.least_squares import factorise, solve
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.level import NoiseLevel
 from bayescal.polynomials.axis_data import generic_axis
-from bayescal.report.adequacy import adequacy_rows
+from bayescal.report.document.defence import adequacy_rows
 from tests.helpers.problems import make_axis, thesis_axis
 
 

@@ -8,7 +8,8 @@ import json
 from rich.console import Console
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest
-from bayescal.report.adequacy import adequacy_rows, adequacy_view
+from bayescal.report.adequacy import adequacy_view
+from bayescal.report.document.defence import adequacy_rows
 
 PART = AdequacyTest("y/z", "F", 3.0, (1, 51), 0.02, "worth 1 px.")
 TESTS = (

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.families import members
+from bayescal.comparison.families import free
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.camera import StatedCamera
@@ -44,7 +44,7 @@ def test_nothing_is_sampled_or_weighed(families_run: Path, monkeypatch: pytest.M
         raise AssertionError("something was drawn")
 
     monkeypatch.setattr(emcee.EnsembleSampler, "run_mcmc", refuse)
-    monkeypatch.setattr(members, "weigh", refuse)
+    monkeypatch.setattr(free, "weigh", refuse)
     bc.open_run(families_run)
     for orders in ((1,), (1, 2)):  # negative controls: what is sampled, and what is weighted
         with pytest.raises(AssertionError, match="something was drawn"):

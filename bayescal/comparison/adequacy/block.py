@@ -38,10 +38,8 @@ def adequacy(
 
     Parameters
     ----------
-    data : AxisData
     fit : LeastSquaresFit
         Of the order to test, on the same points (and deviations).
-    noise : NoiseLevel
     other : Array, optional
         The other axis's regressor (y/z for r), ``(n_points,)``.
     depth : Array, optional

@@ -26,7 +26,6 @@ def heteroscedasticity(problem: Problem, depth: Array | None, null: Array | None
 
     Parameters
     ----------
-    problem : Problem
     depth : Array or None
         z in the camera's frame, ``(n_points,)``, world units.
     null : Array or None

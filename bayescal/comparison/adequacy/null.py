@@ -28,7 +28,6 @@ def simulated_residuals(
     ----------
     q : Array
         Orthonormal basis of the weighted design, ``(n, p)``.
-    rng : numpy.random.Generator
     simulations : int, optional
         By default 999 to 4999, the fewer the more points.
 

@@ -65,15 +65,9 @@ def posterior_predictive(
 
     Parameters
     ----------
-    problem : Problem
     draws : Array or None
         ``(n_draws, m)``: monomial coefficients, px, then sigma, px, where it is
         inferred; further columns are ignored.
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    tuple of AdequacyTest
     """
     if draws is None or len(draws) == 0:
         return (untested(NAME, "no draws are given"),)

@@ -26,12 +26,6 @@ def runs_test(
     mean counts as one. The p-value is simulated with the design up to 400 places,
     since p fitted coefficients make signs alternate more than Wald & Wolfowitz (1940)
     assume; beyond, it is their normal approximation. Both tails.
-
-    Parameters
-    ----------
-    problem : Problem
-    rng : numpy.random.Generator
-    simulations : int, optional
     """
     if problem.unusable:
         return untested(NAME, problem.unusable)
@@ -90,7 +84,6 @@ def tie_means(problem: Problem, places: IntArray, residuals: Array) -> Array:
 
     Parameters
     ----------
-    problem : Problem
     places : IntArray
         Number of each point's place, ``(n_points,)``.
     residuals : Array

@@ -24,16 +24,10 @@ def argue(
 
     Parameters
     ----------
-    verdict : AxisVerdict
-    defence : Defence
     criteria : mapping of int to Criteria
         By order.
     size : float
         Image size along the axis, px.
-
-    Returns
-    -------
-    AxisVerdict
     """
     text, caveats = [verdict.text], list(verdict.caveats)
     if verdict.order is None:

@@ -120,8 +120,6 @@ def without_groups(
 
     Parameters
     ----------
-    data : AxisData
-    models : mapping of int to LinearModel
     members : Array
         1 where a point belongs to a group, ``(n_groups, n_points)``.
 
@@ -154,14 +152,11 @@ def bootstrap(
 
     Parameters
     ----------
-    data : AxisData
     models : mapping of int to LinearModel
         With a proper prior.
-    rng : numpy.random.Generator
     members : Array, optional
         1 where a point belongs to a group, ``(n_groups, n_points)``; points are
         resampled one by one without it.
-    resamples : int, optional
     known : mapping of int to float, optional
         The shares, from an earlier run of the same. The resamples are drawn all the same, so
         that what comes after has the same random numbers.
@@ -197,11 +192,8 @@ def beyond(
 
     Parameters
     ----------
-    data : AxisData
     log_evidence : mapping of int to float
         Of the orders compared.
-    noise : NoiseLevel
-    rule : PriorRule
     """
     more, factors = orders_beyond(data, max(log_evidence), rule)
     evidence = dict(log_evidence)
@@ -219,7 +211,6 @@ def orders_beyond(
 
     Returns
     -------
-    orders : tuple of int
     factors : Factorisation or None
         At the highest of them; None where there is none.
     """

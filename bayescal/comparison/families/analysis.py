@@ -45,17 +45,10 @@ def compare_joint(
 
     Parameters
     ----------
-    points : Correspondences
-    request : FamilyRequest
-    settings : Settings
     progress : callable, optional
         Called with the family and its position before its models are judged.
     store : Store, optional
         Where posteriors come from; by default they are drawn now.
-
-    Returns
-    -------
-    FamilyComparison
 
     Raises
     ------

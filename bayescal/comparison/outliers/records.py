@@ -126,8 +126,6 @@ def eliminate(data: AxisData, orders: Sequence[int], rule: RejectionRule) -> Eli
     ----------
     data : AxisData
         With deviations only where they are used; the rule's sigma is a factor on them.
-    orders : sequence of int
-    rule : RejectionRule
     """
     own = _own(data)
     return Elimination(
@@ -147,8 +145,6 @@ def point_records(
 
     Parameters
     ----------
-    data : AxisData
-    elimination : Elimination
     order : int
         Whose residuals are shown.
     loo : mapping of int to LeaveOneOut

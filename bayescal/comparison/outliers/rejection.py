@@ -93,7 +93,6 @@ def point_tests(fit: DesignFit, sigma: float | None) -> PointTests | None:
 
     Parameters
     ----------
-    fit : DesignFit
     sigma : float or None
         Known noise level, px; None: inferred from the other points' residuals.
 
@@ -194,10 +193,6 @@ def reject(design: Array, t: Array, rule: RejectionRule | None = None) -> Reject
         Measured pixels, ``(n_points,)``, px.
     rule : RejectionRule, optional
         5 % family-wise with sigma inferred by default.
-
-    Returns
-    -------
-    Rejection
 
     Raises
     ------

@@ -59,7 +59,6 @@ def shared_errors(
     ----------
     data : AxisData
         Of the separable family.
-    records : sequence of PointRecord
     world : Array
         ``(n_points, 3)``, world units.
     slope : Array
