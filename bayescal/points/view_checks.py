@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
 from bayescal.errors import InputError
 from bayescal.points.text import quoted
+from bayescal.points.view_rows import ViewRows
 from bayescal.rounding import counted
-
-if TYPE_CHECKING:
-    from bayescal.points.views import Views
 
 FEWEST = 4  # points of a view: a pose has six numbers, a point gives two, and one more to check
 # Points beyond the middle line spread less than this fraction of those along it: one line.
 ON_A_LINE = 1e-6
 
 
-def check_views(views: Views) -> None:
+def check_views(views: ViewRows) -> None:
     """Refuse views that can't be of one target seen by one camera.
 
     Raises
@@ -33,7 +29,7 @@ def check_views(views: Views) -> None:
         _check_size(views, views.width, views.height)
 
 
-def _check_view(views: Views, one: int, part: slice) -> None:
+def _check_view(views: ViewRows, one: int, part: slice) -> None:
     name = quoted(views.names[one])
     count = part.stop - part.start
     where = views.place(part.start) if views.lines is not None else views.source
@@ -64,7 +60,7 @@ def _on_a_line(points: Array) -> bool:
     return bool(spread[1] <= ON_A_LINE * spread[0])
 
 
-def _check_target(views: Views) -> None:
+def _check_target(views: ViewRows) -> None:
     """Refuse two boards in one file: they overlap, and share next to no points."""
     part = _together(views.view, views.corner, len(views))
     boards = [views.target[np.unique(views.corner[part[views.view] == k])] for k in np.unique(part)]
@@ -109,7 +105,7 @@ def _overlap(one: Array, other: Array, size: float) -> bool:
     return bool((high - low >= -1e-9 * size).all() and (high - low > 1e-9 * size).sum() >= 2)
 
 
-def _check_size(views: Views, width: int, height: int) -> None:
+def _check_size(views: ViewRows, width: int, height: int) -> None:
     """Refuse pixels of another camera's images."""
     size = np.array([width, height])
     off = off_image(views.pixels, width, height)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import one_line
 from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
 from bayescal.points.view_checks import check_views
+from bayescal.points.view_rows import ViewRows, fixed
 from bayescal.rounding import counted
 
 # Points nearer than this fraction of the target's diagonal are one point, written with rounding.
@@ -21,7 +21,7 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Views:
+class Views(ViewRows):
     """Photographs of one target by one camera, point by point.
 
     Frames are OpenCV's: pixel centres at integers, r from the left and c from the top.
@@ -58,22 +58,6 @@ class Views:
     notes : tuple of str
         What the reader assumed or left out, a line each.
     """
-
-    names: tuple[str, ...]
-    view: IntArray
-    world: Array
-    pixels: Array
-    target: Array
-    corner: IntArray
-    sigma: Array | None = None
-    relative_sigma: bool = False
-    labels: tuple[str, ...] | None = None
-    width: int | None = None
-    height: int | None = None
-    source: str = "arrays"
-    lines: tuple[int, ...] | None = None
-    sha256: str = ""
-    notes: tuple[str, ...] = field(default=())
 
     @classmethod
     def from_arrays(
@@ -176,11 +160,11 @@ class Views:
             sha256 = digest.hexdigest()
         found = cls(
             tuple(order),
-            _fixed(index[rows]),
+            fixed(index[rows]),
             frozen(w[rows]),
             frozen(p[rows]),
             target,
-            _fixed(corner[rows]),
+            fixed(corner[rows]),
             None if sds is None else frozen(sds[rows]),
             relative_sigma,
             None if labels is None else one_line(tuple(labels[i] for i in rows)),
@@ -194,41 +178,6 @@ class Views:
         check_views(found)
         return found
 
-    def __len__(self) -> int:
-        return len(self.names)
-
-    @property
-    def n_points(self) -> int:
-        """How many points all views show together."""
-        return len(self.view)
-
-    @cached_property
-    def counts(self) -> IntArray:
-        """Points of each view, ``(n_views,)``."""
-        return _fixed(np.bincount(self.view, minlength=len(self)))
-
-    @cached_property
-    def slices(self) -> tuple[slice, ...]:
-        """Where each view's points stand in the arrays."""
-        ends = np.cumsum(self.counts).tolist()
-        return tuple(map(slice, [0, *ends[:-1]], ends))
-
-    @cached_property
-    def extent(self) -> Array:
-        """Size of the target along x, y and z, ``(3,)``, the target's unit."""
-        return frozen(np.ptp(self.target, axis=0))
-
-    @cached_property
-    def diagonal(self) -> float:
-        """Diagonal of the target, the target's unit."""
-        return float(np.linalg.norm(self.extent))
-
-    @cached_property
-    def planar(self) -> bool:
-        """Whether the target's points lie in one plane (to a millionth of its size)."""
-        spread = np.linalg.svd(self.target - self.target.mean(axis=0), compute_uv=False)
-        return len(spread) < 3 or bool(spread[2] <= 1e-6 * spread[0])
-
     def select(self, views: Sequence[int]) -> Views:
         """Keep some views (from 0), in the order given; the target stays that of all."""
         kept = [self.slices[i] for i in views]
@@ -238,10 +187,10 @@ class Views:
         return replace(
             self,
             names=tuple(self.names[i] for i in views),
-            view=_fixed(view.astype(np.intp)),
+            view=fixed(view.astype(np.intp)),
             world=frozen(self.world[rows]),
             pixels=frozen(self.pixels[rows]),
-            corner=_fixed(self.corner[rows]),
+            corner=fixed(self.corner[rows]),
             sigma=None if self.sigma is None else frozen(self.sigma[rows]),
             labels=None if self.labels is None else tuple(self.labels[i] for i in rows),
             lines=None if self.lines is None else tuple(self.lines[i] for i in rows),
@@ -253,15 +202,6 @@ class Views:
         found = replace(self, width=_size(width, "width"), height=_size(height, "height"))
         check_views(found)
         return found
-
-    def place(self, point: int) -> str:
-        """Where a point (from 0) is, for a message: file and line, or view and label."""
-        if self.lines is not None:
-            return f"{self.source}:{self.lines[point]}"
-        view = int(self.view[point])
-        own = self.labels[point] if self.labels is not None else ""
-        within = point - self.slices[view].start + 1
-        return f"{self.source}, view {self.names[view]}, point {own or within}"
 
     def __repr__(self) -> str:
         x, y, z = (f"{v:.6g}" for v in self.extent)
@@ -301,12 +241,6 @@ def _distinct(world: Array) -> tuple[Array, IntArray]:
     rounded = np.round(world / (SAME * size)) + 0.0 if size else np.zeros_like(world)
     _, first, index = np.unique(rounded[:, ::-1], axis=0, return_index=True, return_inverse=True)
     return frozen(world[first]), index.reshape(-1).astype(np.intp)
-
-
-def _fixed(values: IntArray) -> IntArray:
-    array = np.array(values, dtype=np.intp)
-    array.setflags(write=False)
-    return array
 
 
 def _size(value: float | None, name: str) -> int | None:

@@ -1,0 +1,82 @@
+"""Rows of many views of a target: what they hold, before anybody asks whether it can be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from bayescal.arrays import Array, IntArray, frozen
+
+
+@dataclass(frozen=True, eq=False)
+class ViewRows:
+    """Points of every view, one after the other; the attributes are those of `Views`."""
+
+    names: tuple[str, ...]
+    view: IntArray
+    world: Array
+    pixels: Array
+    target: Array
+    corner: IntArray
+    sigma: Array | None = None
+    relative_sigma: bool = False
+    labels: tuple[str, ...] | None = None
+    width: int | None = None
+    height: int | None = None
+    source: str = "arrays"
+    lines: tuple[int, ...] | None = None
+    sha256: str = ""
+    notes: tuple[str, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @property
+    def n_points(self) -> int:
+        """How many points all views show together."""
+        return len(self.view)
+
+    @cached_property
+    def counts(self) -> IntArray:
+        """Points of each view, ``(n_views,)``."""
+        return fixed(np.bincount(self.view, minlength=len(self)))
+
+    @cached_property
+    def slices(self) -> tuple[slice, ...]:
+        """Where each view's points stand in the arrays."""
+        ends = np.cumsum(self.counts).tolist()
+        return tuple(map(slice, [0, *ends[:-1]], ends))
+
+    @cached_property
+    def extent(self) -> Array:
+        """Size of the target along x, y and z, ``(3,)``, the target's unit."""
+        return frozen(np.ptp(self.target, axis=0))
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal of the target, the target's unit."""
+        return float(np.linalg.norm(self.extent))
+
+    @cached_property
+    def planar(self) -> bool:
+        """Whether the target's points lie in one plane (to a millionth of its size)."""
+        spread = np.linalg.svd(self.target - self.target.mean(axis=0), compute_uv=False)
+        return len(spread) < 3 or bool(spread[2] <= 1e-6 * spread[0])
+
+    def place(self, point: int) -> str:
+        """Where a point (from 0) is, for a message: file and line, or view and label."""
+        if self.lines is not None:
+            return f"{self.source}:{self.lines[point]}"
+        view = int(self.view[point])
+        own = self.labels[point] if self.labels is not None else ""
+        within = point - self.slices[view].start + 1
+        return f"{self.source}, view {self.names[view]}, point {own or within}"
+
+
+def fixed(values: IntArray) -> IntArray:
+    """Return whole numbers as a read-only array of their own."""
+    array = np.array(values, dtype=np.intp)
+    array.setflags(write=False)
+    return array
