@@ -250,7 +250,7 @@ from importlib.util import find_spec
 from bayescal.cli import main
 main(["compare", "--orders", "1", "--axis", "c", "--ess", "100", "--quiet"])
 spared = ["comparison.defence", "comparison.leave_one_out",
-          "comparison.psis", "inference.weighting",
+          "comparison.psis",
           "density.robust_linear", "inference.sampled_posterior", "report.document",
           "comparison.families.analysis", "comparison.outliers"]
 loaded = [name for name in spared if f"bayescal.{name}" in sys.modules]
