@@ -31,7 +31,7 @@ from bayescal.density.pinhole_coordinates import suited
 from bayescal.density.pinhole_fit import fit_pinhole
 from bayescal.density.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.laplace_mixture import mixture_about
-from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
+from bayescal.inference.sampled_posterior import Guess, SampledPosterior, sample_model
 from bayescal.noise.level import NoiseLevel
 from bayescal.points.camera import StatedCamera
 from bayescal.points.correspondences import Correspondences
@@ -71,7 +71,7 @@ def build(points: Correspondences, order: int, tau: float | None = None) -> Gaus
 def sampled(model: GaussianPinhole, seed: int, ess: int) -> SampledPosterior:
     """Sample as the program does."""
     modes, log_mass = ladder(model)
-    guess = mixture_about(modes, log_mass), modes[:1]
+    guess = Guess(mixture_about(modes, log_mass), modes[:1])
     return sample_model(model, np.random.default_rng(seed), ess, guess)
 
 

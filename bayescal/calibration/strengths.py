@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bayescal.arrays import Array
-from bayescal.calibration.lens_model import LOG_2PI, LensModel
+from bayescal.arrays import LOG_2PI, Array
+from bayescal.calibration.lens_model import LensModel
 
 NODES = {1: 16, 2: 16, 3: 9}  # a group, by the number of groups
 FEWEST = 5

@@ -20,7 +20,7 @@ from bayescal.comparison.settings import Settings
 from bayescal.density.position_search import best_position, climb, linearised, position_mode
 from bayescal.inference.adaptation import effective_fraction
 from bayescal.inference.laplace_mixture import mixture_about
-from bayescal.inference.sampled_posterior import sample_model
+from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.inference.weighting import weigh
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.evidence import log_evidences
@@ -155,7 +155,7 @@ def test_a_position_known_exactly_leaves_the_closed_form():
     prior = PositionPrior(free.prior.mean, np.full(3, 1e-4), True)
     model = replace(free, prior=prior, start=free.prior.mean)
     mode = position_mode(model)
-    guess = mixture_about((mode,), np.zeros(1)), (mode,)
+    guess = Guess(mixture_about((mode,), np.zeros(1)), (mode,))
     found = sample_model(model, np.random.default_rng(0), 400, guess, 2000)
     truth = exact_evidence(pair, (1, 1))
     assert found.log_evidence == pytest.approx(truth, abs=4 * found.log_evidence_error + 1e-3)

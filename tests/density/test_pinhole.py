@@ -10,7 +10,7 @@ from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.pinhole_fit import fit_pinhole
 from bayescal.density.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.laplace_mixture import mixture_about
-from bayescal.inference.sampled_posterior import sample_model
+from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.noise.level import NoiseLevel
 from scripts.validate_families import model_of, simulated
 from tests.helpers.cameras import TURNED, problem, turned_points
@@ -23,7 +23,7 @@ def model(points, order, **options) -> GaussianPinhole:
 
 def sampled(made, seed=0, ess=1000):
     modes, log_mass = ladder(made)
-    guess = mixture_about(modes, log_mass), modes[:1]
+    guess = Guess(mixture_about(modes, log_mass), modes[:1])
     return sample_model(made, np.random.default_rng(seed), ess, guess)
 
 

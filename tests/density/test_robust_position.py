@@ -14,7 +14,7 @@ from bayescal.density.position_search import position_mode
 from bayescal.density.robust_pair import RobustPair, paired
 from bayescal.density.robust_position import RobustFreePosition, robust_position
 from bayescal.inference.laplace_mixture import mixture_about
-from bayescal.inference.sampled_posterior import sample_model
+from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.polynomials import bivariate, separable
 from bayescal.prior.camera import PositionPrior, position_prior
 from tests.density.test_free_position import axes
@@ -86,7 +86,7 @@ def test_light_tails_at_a_free_position_give_the_evidence_of_gaussian_noise():
     pair = axes(separable)
     plain, _ = free_model(bc.thesis(), pair, (2, 1))
     mode = position_mode(plain)
-    guess = mixture_about((mode,), np.zeros(1)), (mode,)
+    guess = Guess(mixture_about((mode,), np.zeros(1)), (mode,))
     exact = sample_model(plain, np.random.default_rng(0), 200, guess, 4000)
     model = free_robust_model(bc.thesis(), pair, (2, 1), GAUSSIAN)
     found = sample_model(model, np.random.default_rng(0), 400)

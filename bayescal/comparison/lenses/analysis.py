@@ -27,7 +27,7 @@ from bayescal.comparison.lenses.results import Evidenced, JudgedLens, LensCompar
 from bayescal.comparison.lenses.sweep import Judge, Progress, Request, image_size
 from bayescal.comparison.lenses.verdict import judge_lenses
 from bayescal.errors import InputError
-from bayescal.inference.sampled_posterior import sample_model
+from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.points.views import Views
 
 PROBABLE = 1e-3  # lenses less probable than this are not looked at view by view
@@ -72,7 +72,7 @@ def compare_lenses(
     progress(f"draws of {best.key}")
     for_chains, for_draws = np.random.default_rng([request.seed, 1]).spawn(2)
     posterior = sample_model(
-        SampledLens(problem), for_chains, request.ess, proposal(problem), request.draws
+        SampledLens(problem), for_chains, request.ess, Guess(*proposal(problem)), request.draws
     )
     draws = averaged_draws(best.evidence, setting, for_draws, request.draws)
     spread = averaged_laplace(best.evidence, setting)
