@@ -10,6 +10,7 @@ from bayescal.linear.model import LinearModel
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
     from bayescal.comparison.judged import Judged
+    from bayescal.comparison.leave_one_out import LeaveOneOut
     from bayescal.inference.checked_posterior import CheckedPosterior
     from bayescal.inference.sampled_model import SampledModel
     from bayescal.inference.sampled_posterior import SampledPosterior
@@ -51,6 +52,14 @@ class Store:
     ) -> Kept | None:
         """Posterior that was kept of a model; None where it is to be computed."""
         return None
+
+    def leave_one_out(
+        self,
+        key: Key,  # noqa: ARG002
+        compute: Callable[[], LeaveOneOut | None],
+    ) -> LeaveOneOut | None:
+        """Leave-one-out of a model from its draws: that of a run, else computed."""
+        return compute()
 
     def wins(self, axis: str, unit: str) -> dict[int, float] | None:  # noqa: ARG002
         """Share of an axis's resamples that each order won; None where not yet known."""

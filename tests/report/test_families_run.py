@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.families import free
+from bayescal.comparison.families import free, joint
 from bayescal.comparison.families.results import FamilyComparison
-from bayescal.inference.arviz_bridge import parse_netcdf
+from bayescal.inference.arviz_bridge import parse_netcdf, write_netcdf
 from bayescal.points.camera import StatedCamera
 from bayescal.report.document.families import families_document
 from bayescal.report.document.shared import dumps, schema
@@ -49,6 +49,29 @@ def test_nothing_is_sampled_or_weighed(families_run: Path, monkeypatch: pytest.M
     for orders in ((1,), (1, 2)):  # negative controls: what is sampled, and what is weighted
         with pytest.raises(AssertionError, match="something was drawn"):
             bc.compare_families(bc.thesis(), ["separable"], orders, position=["free"], tau=0.05)
+
+
+def test_leave_one_out_is_kept_beside_the_draws(
+    families_run: Path, copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An older version kept none: there it is computed, to the same terms."""
+    for path in (copy / "draws").iterdir():
+        draws = parse_netcdf(path.read_bytes())
+        del draws.values["leave_one_out"]
+        write_netcdf(path, draws)
+        forge(copy, f"draws/{path.name}")
+    kept, computed = bc.open_run(families_run), bc.open_run(copy)
+    for one, other in zip(kept.models, computed.models, strict=True):
+        assert np.array_equal(one.loo.pointwise, other.loo.pointwise)
+        assert (one.loo.refitted, one.loo.mcse) == (other.loo.refitted, other.loo.mcse)
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("a point was left out")
+
+    monkeypatch.setattr(joint, "sampled_leave_one_out", refuse)
+    bc.open_run(families_run)
+    with pytest.raises(AssertionError, match="a point was left out"):  # negative control
+        bc.open_run(copy)
 
 
 def turned() -> bc.Correspondences:

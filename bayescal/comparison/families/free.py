@@ -112,11 +112,12 @@ class GaussianFreePair(_FreePair):
         """Say what its draws, sampled or weighted, say."""
         model = self.model
         found = judged_by(
+            store,
+            self.key,
             self._draws(store, settings),
             self.likelihood,
             model.log_left_out,
             partial(self._without, settings.seed),
-            key=self.key,
             position=model.start,
             position_sd=position_sd(model),
             residuals=self.residuals(model.start),
@@ -170,10 +171,11 @@ class RobustFreePair(_FreePair):
         model = self.model
         place = frozen(model.position(self.modes[0].theta[None])[0])
         return judged_by(
+            store,
+            self.key,
             self._draws(store, settings),
             self.likelihood,
             model.log_likelihood,
-            key=self.key,
             position=place,
             residuals=self.residuals(place),
         )

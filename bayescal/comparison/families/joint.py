@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bayescal.arrays import Array, frozen
@@ -19,6 +20,7 @@ from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.key import Key
 from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.psis import LeftOut, Without, sampled_leave_one_out
+from bayescal.comparison.store import Store
 from bayescal.density.joint_data import JointData
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.weighting import WeightedDraws
@@ -70,6 +72,8 @@ class LinearPair:
 
 
 def judged_by(
+    store: Store,
+    key: Key,
     drawn: SampledPosterior | WeightedDraws,
     likelihood: Likelihood,
     left_out: LeftOut,
@@ -79,12 +83,14 @@ def judged_by(
     """Say what draws, sampled or weighted, say of a candidate: its evidence and leave-one-out."""
     loo = None
     if drawn.heaviest <= HEAVIEST:
-        loo = sampled_leave_one_out(drawn, left_out, without)
+        find = partial(sampled_leave_one_out, drawn, left_out, without)
+        loo = store.leave_one_out(key, find)
     kept = "weighted" if isinstance(drawn, WeightedDraws) else "posterior"
-    return result_of(drawn, likelihood, loo, **{kept: drawn}, **named)
+    return result_of(key, drawn, likelihood, loo, **{kept: drawn}, **named)
 
 
 def result_of(
+    key: Key,
     drawn: SampledPosterior | WeightedDraws,
     likelihood: Likelihood,
     loo: LeaveOneOut | None,
@@ -92,6 +98,7 @@ def result_of(
 ) -> JointModel:
     """Make the result of a model that has draws."""
     return JointModel(
+        key=key,
         log_evidence=drawn.estimate.log_evidence,
         log_evidence_error=drawn.estimate.error,
         warnings=drawn.estimate.warnings,

@@ -62,11 +62,12 @@ class PinholeCandidate:
         posterior = store.posterior(self.key, model, partial(self.sample, rng, settings.ess))
         place = model.geometry.position(model.geometry.full(model.fit.free[None]))[0]
         return judged_by(
+            store,
+            self.key,
             posterior,
             self.likelihood,
             model.log_likelihood,
             self.without(settings.seed),
-            key=self.key,
             position=frozen(place),
             position_sd=position_sd(model.geometry, model.fit),
             residuals=model.fit.residuals,

@@ -16,6 +16,7 @@ from bayescal.comparison.families.joint import Likelihood, LinearPair, result_of
 from bayescal.comparison.families.models import Wanted, checked_axes, joint_data
 from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.key import Key
+from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.orders import GaussianOrder, RobustOrder
 from bayescal.comparison.psis import of_both, sampled_leave_one_out
 from bayescal.comparison.settings import Settings
@@ -64,14 +65,18 @@ class RobustStatedPair(LinearPair):
         """Say what the draws of both say."""
         pair = RobustPair((self.r.model, self.c.model))
         posterior = store.posterior(self.key, pair, partial(self._pair, pair, store, settings))
-        r = sampled_leave_one_out(posterior, lambda full: pair.log_likelihoods(full)[0])
-        c = sampled_leave_one_out(posterior, lambda full: pair.log_likelihoods(full)[1])
+
+        def left_out() -> LeaveOneOut | None:
+            r = sampled_leave_one_out(posterior, lambda full: pair.log_likelihoods(full)[0])
+            c = sampled_leave_one_out(posterior, lambda full: pair.log_likelihoods(full)[1])
+            return None if r is None or c is None else of_both(r, c)
+
         place = frozen(self.points.setup.position)
         return result_of(
+            self.key,
             posterior,
             Likelihood(robust_criteria(pair.names)),
-            None if r is None or c is None else of_both(r, c),
-            key=self.key,
+            store.leave_one_out(self.key, left_out),
             posterior=posterior,
             position=place,
             residuals=self.residuals(place),

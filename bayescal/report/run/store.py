@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from bayescal.arrays import frozen
 from bayescal.comparison.key import Key
+from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.store import Store
+from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.stored import unpacked
 from bayescal.linear.model import LinearModel
@@ -15,6 +21,8 @@ from bayescal.report.run.files import RunFiles
 if TYPE_CHECKING:
     from bayescal.comparison.store import Kept
 
+LEFT_OUT = "leave_one_out"
+
 
 class StoredDraws(Store):
     """The draws of a run, in whose files' names the noise that is `usual` there is left out."""
@@ -22,10 +30,51 @@ class StoredDraws(Store):
     def __init__(self, run: RunFiles, usual: str = GAUSSIAN.name) -> None:
         super().__init__()
         self.run, self.usual = run, usual
+        self._left_out: dict[Key, LeaveOneOut | None] = {}
 
     def read(self, key: Key, model: LinearModel | SampledModel, *, beside: bool) -> Kept | None:
         """Read the draws of a model; None where it stands `beside` and the run kept none."""
         name = key.file(self.usual)
         if beside and not self.run.keeps_draws(name):
             return None
-        return self.run.read_draws(name, lambda draws: unpacked(draws, model))
+
+        def unpack(draws: Draws) -> Kept:
+            if LEFT_OUT in draws.values:
+                self._left_out[key] = _left_out(draws.values[LEFT_OUT])
+            return unpacked(draws, model)
+
+        return self.run.read_draws(name, unpack)
+
+    def leave_one_out(
+        self, key: Key, compute: Callable[[], LeaveOneOut | None]
+    ) -> LeaveOneOut | None:
+        """Give the leave-one-out that was kept beside a model's draws; older runs kept none."""
+        return self._left_out[key] if key in self._left_out else compute()
+
+
+def with_left_out(draws: Draws, loo: LeaveOneOut | None) -> Draws:
+    """Keep a model's leave-one-out beside its draws: refits and smoothing take long."""
+    draws.values[LEFT_OUT] = None if loo is None else {k: _plain(v) for k, v in vars(loo).items()}
+    return draws
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+def _left_out(kept: dict[str, Any] | None) -> LeaveOneOut | None:
+    """Undo it, to the last bit; ValueError where something is missing."""
+    if kept is None:
+        return None
+    try:
+        shape = kept["pareto_k"]
+        return LeaveOneOut(
+            frozen(kept["pointwise"]),
+            kept["p_eff"],
+            tuple(kept["refitted"]),
+            None if shape is None else frozen(shape),
+            kept["k_limit"],
+            kept["mcse"],
+        )
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"lacks {error}") from None
