@@ -22,9 +22,7 @@ def view_notes(views: Views) -> list[str]:
     views : Views
     """
     found = list(views.notes)
-    if views.width is None or views.height is None:
-        found.append("the image size is not stated; --image-width and --image-height state it")
-    else:
+    if views.width is not None and views.height is not None:
         found += _off(views, views.width, views.height)
     if len(views) == 1:
         found.append(

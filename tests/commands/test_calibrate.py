@@ -10,6 +10,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import main
+from bayescal.points.view_writer import views_to_csv
 
 
 def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -57,14 +58,18 @@ def test_cameras_for_other_tools(
     assert "would replace what is read" in capsys.readouterr().err
 
 
-def test_a_lens_that_a_format_lacks_is_said(
+def test_a_lens_that_a_format_lacks_and_odd_views_are_said(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    place = tmp_path / "c.yaml"
+    place, table = tmp_path / "c.yaml", tmp_path / "v.csv"
+    text = views_to_csv(bc.chessboard())
+    again = [line for line in text.splitlines() if line.startswith("left01.jpg,")]
+    table.write_text(text + "\n".join(line.replace("left01", "copy", 1) for line in again))
     options = ["--lens", "division", "--independent", "--camera", "kalibr", str(place)]
-    assert main(["calibrate", *options]) == 2
+    assert main(["calibrate", str(table), *options]) == 2
     said = capsys.readouterr()
     assert "Verdict: " in said.out
+    assert "note: view copy.jpg repeats view left01.jpg exactly" in said.out
     assert "Kalibr camchain has no division lens with lambda; write it for colmap" in said.err
     assert not place.exists()
 

@@ -28,6 +28,7 @@ from bayescal.comparison.lenses.sweep import Judge, Progress, Request, image_siz
 from bayescal.comparison.lenses.verdict import judge_lenses
 from bayescal.errors import InputError
 from bayescal.inference.sampled_posterior import Guess, sample_model
+from bayescal.points.view_notes import view_notes
 from bayescal.points.views import Views
 
 PROBABLE = 1e-3  # lenses less probable than this are not looked at view by view
@@ -100,7 +101,7 @@ def compare_lenses(
         found_places,
         distance * setting.data.diagonal,
         judge_lenses(lenses, caveats),
-        (*views.notes, *notes),
+        (*view_notes(views), *notes),
         request.seed,
     )
 
