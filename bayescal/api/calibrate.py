@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from bayescal.comparison.lenses.analysis import compare_lenses
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.comparison.lenses.sweep import Request
 from bayescal.errors import InputError
+from bayescal.points.view_reader import load_views
 from bayescal.points.views import Views
 
 
 def calibrate(
-    views: Views,
+    views: Any,
     *,
     lenses: Sequence[str] | None = None,
     sigma: float | None = None,
@@ -28,8 +30,9 @@ def calibrate(
 
     Parameters
     ----------
-    views : Views
-        At least two photographs of one target by one camera.
+    views : Views, str, Path or DataFrame
+        At least two photographs of one target by one camera, or what `bayescal.load_views`
+        reads.
     lenses : sequence of str, optional
         Such as ``"radial 2"``, ``"radial 2 + p"`` (with tangential terms), ``"fisheye 3"`` or
         ``"opencv5"``; by default they are found, plain ones first, while the evidence rises.
@@ -64,6 +67,8 @@ def calibrate(
         raise InputError(f"seed must be 0 or more, not {seed}")
     if ess < 1:
         raise InputError(f"ess must be 1 or more, not {ess}")
+    if not isinstance(views, Views):
+        views = load_views(views)
     if len(views) < 2:
         raise InputError(
             f"{views.source}: one view can't tell lens from pose; take at least two, better ten"

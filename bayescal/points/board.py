@@ -35,6 +35,8 @@ class Board:
                 f"a board of {self.columns} by {self.rows} points can't be used; it has at least "
                 f"2 by 2 and at most {MOST} (count the inner corners, such as 9x6)"
             )
+        if not isinstance(self.square, int | float):
+            raise InputError(f"the square's side must be a number, not {self.square!r}")
         if not 1e-9 <= self.square <= 1e9:
             raise InputError(f"the square's side must be from 1e-9 to 1e9, not {self.square:g}")
 

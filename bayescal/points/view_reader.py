@@ -90,6 +90,8 @@ def _source(
 ) -> Source:
     """Read the bytes, and bring what the user says of the board together."""
     target = None
+    if not isinstance(board, Board | str | Path | None):
+        raise InputError(f"board must be such as '9x6', not {type(board).__name__}")
     if isinstance(board, str | Path) and Path(board).suffix.lower() == ".dsc":
         target, board = Path(board), None
     if square is not None and board is None:
@@ -144,6 +146,8 @@ def _stated(
 ) -> tuple[float | None, float | None]:
     """Image size that the user states, by options or in a setup."""
     if setup is not None:
+        if not isinstance(setup, Setup | str | Path):
+            raise InputError(f"setup must be a Setup or a TOML file, not {type(setup).__name__}")
         camera = setup if isinstance(setup, Setup) else load_setup(setup)
         if camera.c_from_bottom:
             raise InputError("views count c from the top; leave c_from_bottom out of the setup")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import numbers
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -91,6 +92,8 @@ class Views(ViewRows):
             Where shapes disagree, a number is not finite, a view shows fewer than four points
             or one point twice, or the views can't be of one target and one camera.
         """
+        if not all(hasattr(given, "__len__") for given in (world, pixels)):
+            raise InputError("world and pixels must be lists of arrays, one of each per view")
         if len(world) != len(pixels):
             raise InputError(f"world has {len(world)} views and pixels {len(pixels)}")
         each = [
@@ -102,7 +105,7 @@ class Views(ViewRows):
                 raise InputError(
                     f"view {i}: {counted(len(w), 'point')} in world and {len(p)} in pixels"
                 )
-        names = [str(i) for i in range(1, len(each) + 1)] if names is None else list(names)
+        names = [str(i) for i in range(1, len(each) + 1)] if names is None else [*map(str, names)]
         if len(names) != len(each):
             raise InputError(f"names: {len(names)} given for {counted(len(each), 'view')}")
         sds = None
@@ -180,6 +183,8 @@ class Views(ViewRows):
 
     def select(self, views: Sequence[int]) -> Views:
         """Keep some views (from 0), in the order given; the target stays that of all."""
+        if not len(views):
+            raise InputError(f"{self.source}: no view is selected; name at least one")
         kept = [self.slices[i] for i in views]
         rows = np.concatenate([np.arange(s.start, s.stop) for s in kept])
         view = np.repeat(np.arange(len(kept)), [s.stop - s.start for s in kept])
@@ -215,7 +220,7 @@ class Views(ViewRows):
 
 def _pair(values: ArrayLike, columns: int, what: str, view: int) -> Array:
     """Check the shape of one view's array; (n, 1, 2), as OpenCV has it, is (n, 2)."""
-    array = np.asarray(values, dtype=np.float64)
+    array = _numbers(values, f"view {view}: {what}")
     if array.ndim == 3 and 1 in array.shape[:2]:
         array = array.reshape(-1, array.shape[2])
     if array.ndim != 2 or array.shape[1] != columns:
@@ -223,8 +228,15 @@ def _pair(values: ArrayLike, columns: int, what: str, view: int) -> Array:
     return array
 
 
+def _numbers(values: ArrayLike, what: str) -> Array:
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} must be an array of numbers") from None
+
+
 def _finite(values: ArrayLike, columns: int, what: str, limit: float) -> Array:
-    array = np.asarray(values, dtype=np.float64)
+    array = _numbers(values, what)
     if array.size == 0:
         array = array.reshape(0, columns)
     if array.ndim != 2 or array.shape[1] != columns:
@@ -246,6 +258,8 @@ def _distinct(world: Array) -> tuple[Array, IntArray]:
 def _size(value: float | None, name: str) -> int | None:
     if value is None:
         return None
+    if not isinstance(value, numbers.Real):
+        raise InputError(f"image {name} must be a number of px, not {value!r}")
     if not (1 <= value <= LARGEST_PX and float(value).is_integer()):
         raise InputError(
             f"image {name} must be a whole number from 1 to {LARGEST_PX:g} px, not {value:g}"

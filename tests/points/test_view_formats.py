@@ -341,6 +341,8 @@ def test_what_does_not_go_together(tmp_path: Path) -> None:
         ({"square": 2.0}, "the square's side needs a board"),
         ({"columns": "r=u"}, "is a NumPy archive, whose columns are known"),
         ({"only": "x*"}, "no view is called 'x\\*'; there are '1, 2, 3'"),
+        ({"board": 5}, "board must be such as '9x6', not int"),
+        ({"board": "5x4", "square": "2"}, "the square's side must be a number, not '2'"),
         ({"board": "b.dsc"}, "describes boards of .orpc files"),
     ):
         with pytest.raises(bc.InputError, match=re.compile(message)):

@@ -206,11 +206,17 @@ def test_wrong_shapes_are_refused() -> None:
         ([w, w], [picture(w)], "world has 2 views and pixels 1"),
         ([], [], "there are no points"),
         ([w], [picture(w) * np.nan], "pixels holds a number that is NaN"),
+        (None, None, "must be lists of arrays, one of each per view"),
+        ([w], ["abc"], "view 1: pixels must be an array of numbers"),
+        ([w], [[[1.0], [2.0, 3.0]]], "view 1: pixels must be an array of numbers"),
     ):
         with pytest.raises(bc.InputError, match=message):
             Views.from_arrays(world, pixels)
-    with pytest.raises(bc.InputError, match="image width must be a whole number"):
-        views(1, width=640.5)
+    for width in (640.5, np.nan, -1, "640"):
+        with pytest.raises(bc.InputError, match="image width must be a"):
+            views(1, width=width)
+    with pytest.raises(bc.InputError, match="no view is selected"):
+        views(2).select([])
 
 
 def test_opencvs_shapes_are_taken() -> None:
