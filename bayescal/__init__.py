@@ -45,6 +45,7 @@ _EXPORTS = {
     "opencv_camera": "bayescal.report.opencv",
     "FittedCamera": "bayescal.report.cameras.camera",
     "fitted_camera": "bayescal.report.cameras.fitted",
+    "load_camera": "bayescal.report.cameras.read",
     "save_camera": "bayescal.report.cameras.write",
     "save_opencv": "bayescal.report.opencv",
     "save_report": "bayescal.report.page.page",
@@ -74,6 +75,7 @@ __all__ = [
     "fitted_camera",
     "least_squares",
     "load",
+    "load_camera",
     "load_setup",
     "load_views",
     "open_run",
@@ -108,6 +110,7 @@ if TYPE_CHECKING:
     from bayescal.points.writer import save
     from bayescal.report.cameras.camera import FittedCamera
     from bayescal.report.cameras.fitted import fitted_camera
+    from bayescal.report.cameras.read import load_camera
     from bayescal.report.cameras.write import save_camera
     from bayescal.report.figures.registry import plot
     from bayescal.report.opencv import opencv_camera, save_opencv

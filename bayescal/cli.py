@@ -20,6 +20,7 @@ from bayescal.commands import (
     report,
     reproduce,
     simulate,
+    undistort,
 )
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.commands.streams import discard, prepared
@@ -36,6 +37,7 @@ COMMANDS = {
     "report": report,
     "reproduce": reproduce,
     "simulate": simulate,
+    "undistort": undistort,
 }
 
 

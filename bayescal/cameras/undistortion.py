@@ -133,8 +133,12 @@ def ideal_camera(real: RealCamera, field: Field = "same") -> IdealCamera:
             "some edges of the photograph look 90 degrees or more aside, or beyond where the lens "
             "turns back: no pinhole sees them; state a field in degrees"
         )
-    focal = (np.array([width, height]) - 1) / (high - low)
-    return IdealCamera(np.concatenate([focal, -focal * low]), width, height)
+    sides = np.array([width, height]) - 1.0
+    scales = sides / (high - low) / real.intrinsics[:2]
+    # One scale for both sides: pixels keep their shape.
+    focal = real.intrinsics[:2] * (scales.min() if field == "full" else scales.max())
+    centre = sides / 2 - focal * (low + high) / 2
+    return IdealCamera(np.concatenate([focal, centre]), width, height)
 
 
 def undistort_pixels(

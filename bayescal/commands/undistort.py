@@ -1,0 +1,167 @@
+"""``bayescal undistort``: photographs as a camera without distortion would have taken them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bayescal.commands import options as shared
+from bayescal.commands.output import DONE, add_progress
+from bayescal.errors import InputError, OutputError
+
+if TYPE_CHECKING:
+    from bayescal.cameras.undistortion import Field, IdealCamera, RealCamera, Table
+
+HELP = "take the distortion out of photographs (needs OpenCV)"
+DESCRIPTION = (
+    "Make photographs as a camera without distortion would have taken them, from the camera that "
+    "bayescal calibrate --camera opencv FILE.yml, OpenCV or ROS wrote. The folder gets the "
+    "photographs under their own names and camera.yml, the camera that they now come from. "
+    "Needs OpenCV: pip install 'bayescal[images]'."
+)
+FIELDS = ("same", "inside", "full")
+CAMERA = "camera.yml"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("camera", metavar="CAMERA", help="YAML of OpenCV or ROS's camera_info")
+    parser.add_argument(
+        "images",
+        nargs="+",
+        metavar="IMAGES",
+        help="photographs by that camera, or a pattern of their names such as 'images/*.jpg'",
+    )
+    parser.add_argument(
+        "--field",
+        default="same",
+        metavar="FIELD",
+        help="what the result sees: the same focal length and principal point (same); as much as "
+        "leaves no black pixel (inside); as much as loses no pixel (full); or so many degrees "
+        "from left to right, such as 90",
+    )
+    output = parser.add_argument_group("output")
+    output.add_argument("--out", required=True, metavar="DIR", help="folder to write to")
+    output.add_argument("--force", action="store_true", help="replace existing output")
+    output.add_argument("--quiet", action="store_true", help="say nothing of what was done")
+    add_progress(output)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Undistort all photographs, say so, and name those that are none; return the exit code."""
+    from bayescal.cameras.camera import Camera
+    from bayescal.cameras.undistortion import RealCamera, ideal_camera, table
+    from bayescal.detection.detect import image_paths
+    from bayescal.report.cameras.read import load_camera
+
+    field, folder = _field(options.field), Path(options.out)
+    fitted = load_camera(options.camera)
+    places = _places(image_paths(options.images), folder, force=options.force)
+    camera = Camera(fitted.lens)
+    real = RealCamera(camera, fitted.intrinsics, fitted.coefficients, *fitted.size)
+    ideal = ideal_camera(real, field)
+    where, failed = table(real, ideal), []
+    with shared.Progress(options, len(places), "undistorting", "image") as progress:
+        for path, place in places.items():
+            progress.named(path.name)
+            why = _undistort(path, place, where, real, force=options.force)
+            if why:
+                failed.append(f"{path}: {why}")
+    if len(failed) == len(places):
+        raise InputError(f"{failed[0]}; nothing was undistorted")
+    _write_camera(ideal, folder, force=options.force)
+    if not options.quiet:
+        print("\n".join(_told(ideal, where, places, failed, folder)))
+    return DONE
+
+
+def _field(text: str) -> Field:
+    """Read the field of view: a word, or degrees."""
+    if text in FIELDS:
+        return text  # type: ignore[return-value]
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(f"--field {text}: use {', '.join(FIELDS)} or degrees") from None
+
+
+def _places(paths: list[Path], folder: Path, *, force: bool) -> dict[Path, Path]:
+    """Where each photograph goes, every place free."""
+    from bayescal.files import check_free
+
+    places: dict[Path, Path] = {}
+    for path in paths:
+        place = folder / path.name
+        if place in places.values():
+            raise InputError(f"two photographs are called {path.name}; undistort them apart")
+        if place.resolve() in {one.resolve() for one in paths} or path.name == CAMERA:
+            raise InputError(f"{place}: would replace a photograph; choose another --out")
+        places[path] = place
+    for place in (*places.values(), folder / CAMERA) if folder.is_dir() else (folder,):
+        check_free(place, force=force)
+    return places
+
+
+def _undistort(path: Path, place: Path, where: Table, real: RealCamera, *, force: bool) -> str:
+    """Undistort one photograph; say why where it can't be."""
+    from bayescal.detection.images import encoded, read_image, remapped
+    from bayescal.files import write_whole
+
+    image, why = read_image(path)
+    if image is None:
+        return why
+    height, width = image.shape[:2]
+    if (width, height) != (real.width, real.height):
+        return f"is of {width} by {height} px, the camera of {real.width} by {real.height}"
+    raw = encoded(remapped(image, where.r, where.c), path.suffix)
+    if raw is None:
+        return f"OpenCV writes no {path.suffix or 'file without a suffix'}"
+    _make(place.parent)
+    write_whole(place, raw, force=force)
+    return ""
+
+
+def _make(folder: Path) -> None:
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: {error.strerror}") from None
+
+
+def _write_camera(ideal: IdealCamera, folder: Path, *, force: bool) -> None:
+    """Write the camera without distortion beside the photographs."""
+    from bayescal.cameras.lenses import lens_named
+    from bayescal.report.cameras.camera import FittedCamera
+    from bayescal.report.cameras.write import save_camera
+
+    lens = lens_named("radial", order=0, tangential=False)
+    size = (ideal.width, ideal.height)
+    camera = FittedCamera.from_arrays(lens, ideal.intrinsics, [], size, model="undistorted")
+    save_camera(camera, folder / CAMERA, "opencv", force=force)
+
+
+def _told(
+    ideal: IdealCamera, where: Table, places: dict[Path, Path], failed: list[str], folder: Path
+) -> Iterator[str]:
+    """Say what was done."""
+    from bayescal.rounding import counted
+
+    fx, fy, cx, cy = ideal.intrinsics.tolist()
+    across, down = (
+        math.degrees(math.atan(low / f) + math.atan((side - 1 - low) / f))
+        for low, side, f in ((cx, ideal.width, fx), (cy, ideal.height, fy))
+    )
+    done = len(places) - len(failed)
+    yield f"{done} of {counted(len(places), 'photograph')} undistorted in {folder}"
+    yield (
+        f"they see {across:.1f} by {down:.1f} degrees: fx {fx:.2f}, fy {fy:.2f}, cx {cx:.2f}, "
+        f"cy {cy:.2f} px ({folder / CAMERA})"
+    )
+    inside = (where.r > -0.5) & (where.r < ideal.width - 0.5)
+    inside &= (where.c > -0.5) & (where.c < ideal.height - 0.5)
+    if not inside.all():
+        yield f"black: {100 * (1 - inside.mean()):.1f} % of their pixels, which no photograph shows"
+    yield from (f"not used: {line}" for line in failed)
