@@ -87,6 +87,9 @@ def run(options: argparse.Namespace) -> int:
             check_free(Path(name), force=options.force)
             if Path(name).resolve() in {path.resolve() for path in paths}:
                 raise InputError(f"{name}: would replace a photograph; choose another name")
+    places = [Path(name).resolve() for name in (options.out, options.contact_sheet) if name]
+    if len(set(places)) < len(places):
+        raise InputError("--out and --contact-sheet name the same file; name two")
     with shared.Progress(options, len(paths), "looking at", "image") as progress:
         found = detect(paths, pattern, progress.named)
     text = views_to_csv(found.views, [f"{pattern.name}, by {found.detector}"])

@@ -40,11 +40,11 @@ def _tallest(shown: Sequence[Photograph]) -> int:
 def _draw(place: NDArray[np.uint8], one: Photograph) -> None:
     """Draw one photograph into its place on the sheet."""
     cv2 = opencv()
-    found = one.sighting is not None
-    words = f"{one.name[-28:]}: " + (f"{len(one.sighting.points)}" if one.sighting else "none")
-    _write(cv2, place, words, (2, 14), INK if found else RED)
+    if one.sighting is not None:
+        _write(cv2, place, f"{one.name[-32:]}: {len(one.sighting.points)}", INK)
+    else:
+        _write(cv2, place, f"{one.name[-16:]}: {one.why}"[:48], RED)
     if one.thumbnail is None or one.size is None:
-        _write(cv2, place, one.why[:40], (2, TITLE + 20), RED)
         return
     small = cv2.cvtColor(one.thumbnail, cv2.COLOR_GRAY2BGR)
     if one.sighting is not None:
@@ -66,8 +66,7 @@ def _points(cv2: Any, small: NDArray[np.uint8], at: NDArray[np.int32]) -> None:
         cv2.circle(small, tuple(point), 48 if k == 0 else 20, colour, 1, cv2.LINE_AA, 3)
 
 
-def _write(
-    cv2: Any, place: NDArray[np.uint8], words: str, at: tuple[int, int], ink: tuple[int, int, int]
-) -> None:
+def _write(cv2: Any, place: NDArray[np.uint8], words: str, ink: tuple[int, int, int]) -> None:
+    """Write a picture's title."""
     plain = words.encode("ascii", "replace").decode()  # all that OpenCV's letters have
-    cv2.putText(place, plain, at, cv2.FONT_HERSHEY_SIMPLEX, 0.42, ink, 1, cv2.LINE_AA)
+    cv2.putText(place, plain, (2, 14), cv2.FONT_HERSHEY_SIMPLEX, 0.42, ink, 1, cv2.LINE_AA)

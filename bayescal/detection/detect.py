@@ -193,7 +193,7 @@ def _of_one_size(photographs: Sequence[Photograph]) -> tuple[Photograph, ...]:
         else replace(
             one,
             sighting=None,
-            why=f"is of {one.size[0]} by {one.size[1]} px, most are of {most[0]} by {most[1]}",
+            why=f"is {one.size[0]} by {one.size[1]} px, not {most[0]} by {most[1]}",
         )
         for one in photographs
     )

@@ -64,7 +64,7 @@ def test_views_of_the_photographs_that_show_the_board(found: Detection) -> None:
 def test_the_others_are_named_with_a_reason(found: Detection) -> None:
     assert {one.name: one.why for one in found.failed} == {
         "4.png": "no 5x4 chessboard found",
-        "5.png": "is of 400 by 300 px, most are of 320 by 240",
+        "5.png": "is 400 by 300 px, not 320 by 240",
         "6.png": "is no image that OpenCV reads",
         "7.png": "is no image that OpenCV reads",
     }
@@ -137,6 +137,7 @@ def test_command_writes_views_and_says_what_it_found(folder: Path, tmp_path: Pat
         (["none.png", "--board", "5x4"], "no such file"),
         (["4.png", "--board", "5x4", "--pattern", "charuco"], "needs --marker SIDE and --dict"),
         (["4.png", "--board", "5x4", "--marker", "1"], "--marker belongs to --pattern charuco"),
+        (["4.png", "--board", "5x4", "--out", "a", "--contact-sheet", "a"], "name the same file"),
         (["4.png", "--board", "5x4", "--out", "4.png", "--force"], "would replace a photograph"),
     ],
 )
