@@ -160,7 +160,8 @@ class RobustOrder(_Order):
 
         posterior, loo = self.posterior(store, settings), None
         if settings.defend:
-            loo = sampled_leave_one_out(posterior, self.model.log_likelihood)
+            find = partial(sampled_leave_one_out, posterior, self.model.log_likelihood)
+            loo = store.leave_one_out(self.key, find)
         return self._judged(posterior, loo)
 
     def _judged(self, posterior: SampledPosterior, loo: LeaveOneOut | None) -> OrderResult:

@@ -9,6 +9,7 @@ from bayescal.comparison.key import Key
 from bayescal.linear.model import LinearModel
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
+    from bayescal.comparison.defence.stability import Beyond
     from bayescal.comparison.judged import Judged
     from bayescal.comparison.leave_one_out import LeaveOneOut
     from bayescal.inference.checked_posterior import CheckedPosterior
@@ -63,6 +64,10 @@ class Store:
 
     def wins(self, axis: str, unit: str) -> dict[int, float] | None:  # noqa: ARG002
         """Share of an axis's resamples that each order won; None where not yet known."""
+        return None
+
+    def beyond(self, axis: str, highest: int) -> Beyond | None:  # noqa: ARG002
+        """Judge the orders of an axis above the `highest` compared; None where not yet known."""
         return None
 
     def noises(self, axis: str) -> tuple[Judged, ...] | None:  # noqa: ARG002

@@ -15,6 +15,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.commands.options import is_run
+from bayescal.comparison import psis
 from bayescal.comparison.results import Comparison
 from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.setup import StatedPrior
@@ -73,6 +74,27 @@ def test_a_defence_comes_back_may_be_left_out_and_may_be_added(tmp_path: Path) -
     assert added.axes["c"].defence is not None
     found = comparison_document(added, "")
     assert found["axes"] == json.loads(kept)["axes"]
+
+
+def test_a_defence_without_a_closed_form_is_not_sampled_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor orders beyond the range, other noise, points left out."""
+    asked: dict[str, Any] = {"noise": "student-t", "defend": True, "ess": 100}
+    bc.save_run(bc.compare(points(), [1], axis="c", **asked), tmp_path / "run")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("something was computed")
+
+    monkeypatch.setattr(emcee.EnsembleSampler, "run_mcmc", refuse)
+    monkeypatch.setattr(psis, "psis_loo", refuse)
+    found = bc.open_run(tmp_path / "run")
+    assert found.axes["c"].defence.beyond.orders == (2, 3, 4)
+    assert text(found) == (tmp_path / "run" / "result.json").read_text(encoding="utf-8")
+    monkeypatch.undo()
+    monkeypatch.setattr(psis, "psis_loo", refuse)
+    with pytest.raises(AssertionError, match="something was computed"):  # negative control
+        bc.compare(points(), [1], axis="c", **asked)
 
 
 VARIANTS: dict[str, Callable[[], Comparison]] = {

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -91,7 +92,10 @@ def _in_closed_form(
     data, models = axis.data, {k: e.model for k, e in exact.items()}
     integrals = {k: e.log_integral for k, e in exact.items()}
     grouped = None if groups is None else without_groups(data, models, groups.members)
-    psis = {r.order: _psis(axis, r, exact[r.order]) for r in results}
+    psis = {
+        r.order: store.leave_one_out(r.key, partial(_psis, axis, r, exact[r.order]))
+        for r in results
+    }
     by_group = {k: _elpd(integrals[k] - left) for k, left in (grouped or {}).items()}
     prediction = predictions(data, results, psis, by_group)
     source = None if groups is None else groups.source
@@ -166,7 +170,10 @@ def _from_draws(
 def _beyond(
     axis: Axis, noise: NoiseModel, evidence: dict[int, float], store: Store, settings: Settings
 ) -> Beyond:
-    """Sample up to three orders above the compared range."""
+    """Sample up to three orders above the compared range, unless they are known."""
+    known = store.beyond(axis.data.axis, max(evidence))
+    if known is not None:
+        return known
     more, _ = orders_beyond(axis.data, max(evidence), axis.rule)
     posteriors = {
         k: RobustOrder.of(axis, k, noise).posterior(store, settings, beside=True) for k in more

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from bayescal.comparison.analysis import analyse_points
+from bayescal.comparison.defence.stability import Beyond
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
@@ -23,7 +24,7 @@ from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import described
 from bayescal.report.run.kind import RunKind
 from bayescal.report.run.shape import NUMBER, Each, Same
-from bayescal.report.run.store import StoredDraws
+from bayescal.report.run.store import StoredDraws, with_left_out
 from bayescal.version import __version__
 
 MEAN = Same("mean", unit="sd", now="from its draws")
@@ -72,13 +73,14 @@ class ComparisonKind(RunKind[Comparison]):
 
     def draws(self, result: Comparison) -> dict[str, Draws]:
         """Draws of every order of every axis."""
-        return {
-            found.key.file(axis.noise_model.name): axis_draws(
-                found.posterior, axis.data, found.order
-            )
-            for axis in result.axes.values()
-            for found in axis.orders
-        }
+        kept = {}
+        for axis in result.axes.values():
+            for found in axis.orders:
+                draws = axis_draws(found.posterior, axis.data, found.order)
+                if axis.defence is not None and found.order in axis.defence.prediction:
+                    with_left_out(draws, axis.defence.prediction[found.order].psis)
+                kept[found.key.file(axis.noise_model.name)] = draws
+        return kept
 
     def pictures(self, folder: Path, result: Comparison) -> None:
         """Draw each axis's corner plot."""
@@ -132,6 +134,14 @@ class _Stored(StoredDraws):
             if found["unit"] == unit:
                 return {int(k): share for k, share in found["share"].items()}
         return None
+
+    def beyond(self, axis: str, highest: int) -> Beyond | None:
+        """Orders above the compared range, which without a closed form are sampled."""
+        found = None if (defence := self._defence(axis)) is None else defence["beyond"]
+        if found is None:
+            return None
+        chances = {int(k): p for k, p in found["probability"].items()}
+        return Beyond(chances, found["winner"], tuple(k for k in chances if k > highest))
 
     def _defence(self, axis: str) -> dict[str, Any] | None:
         found: dict[str, Any] | None = self.run.document["axes"][axis]["defence"]
