@@ -229,17 +229,6 @@ class RobustLinearModel:
             self.residuals(full), self.log_sigma(full), self.eta(full), self.sd
         )
 
-    def sigma_at_bounds(self, full: Array) -> tuple[float, float]:
-        """Posterior probability that sigma lies within 5 % of its lower, upper bound."""
-        if not self.infers_sigma:
-            return 0.0, 0.0
-        lower, upper = self.level.log_bounds
-        log_sigma, edge = self.log_sigma(full), math.log1p(0.05)
-        return (
-            float(np.mean(log_sigma < lower + edge)),
-            float(np.mean(log_sigma > upper - edge)),
-        )
-
 
 def _fits(x: Array, y: Array) -> list[tuple[Array, float]]:
     """Amplitudes and scale by least squares, and by Cauchy's M-estimator."""
