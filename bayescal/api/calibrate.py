@@ -7,8 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from bayescal.comparison.lenses.analysis import compare_lenses
-from bayescal.comparison.lenses.results import LensComparison
-from bayescal.comparison.lenses.sweep import Request
+from bayescal.comparison.lenses.results import LensComparison, Request
 from bayescal.errors import InputError
 from bayescal.points.view_reader import load_views
 from bayescal.points.views import Views

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -125,7 +126,10 @@ def lens_evidence(
     errors = follow(setting.grid, comparer, errors.nodes[:1])
     best = settled(comparer.problem(errors.nodes[0]))
     estimate, drawn, log_weights = weighed(best, rng, draws)
-    correction = estimate.log_evidence - comparer(errors.nodes[0])
+    linear = comparer(errors.nodes[0])
+    if not math.isfinite(estimate.log_evidence):  # no draw was possible; its warning says so
+        estimate = replace(estimate, log_evidence=linear)
+    correction = estimate.log_evidence - linear
     return LensEvidence(
         fit, errors, best, estimate, errors.log_evidence + correction, drawn, log_weights
     )

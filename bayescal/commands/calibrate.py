@@ -54,6 +54,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--ess", type=int, default=400, metavar="N", help="effective samples wanted (400)"
     )
     add_output(parser, None)
+    parser.add_argument(
+        "--report", metavar="FILE.html", help="write a page with tables and figures"
+    )
     camera = parser.add_argument_group("camera")
     camera.add_argument(
         "--camera",
@@ -74,6 +77,8 @@ def run(options: argparse.Namespace) -> int:
     if options.sigma in ("replicates", "scale"):
         raise InputError(f"calibrate: sigma {options.sigma} is of points; give px or inferred")
     check_output(options)
+    if options.report is not None:
+        check_file(options, Path(options.report))
     _check_cameras(options)
     from bayescal.api.calibrate import calibrate
     from bayescal.report.kinds.lenses import LENSES
@@ -93,6 +98,10 @@ def run(options: argparse.Namespace) -> int:
             progress=progress.named,
         )
     publish(options, result, lenses_view, LENSES)
+    if options.report is not None:
+        from bayescal.report.page.lenses import save_lens_report
+
+        save_lens_report(result, options.report, options.command_line, force=options.force)
     _write_cameras(options, result)
     return code_of(sound=result.sound)
 

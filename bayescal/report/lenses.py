@@ -163,7 +163,7 @@ def lenses_table(found: LensComparison) -> Table:
                 *([number_cell(judged.chi2, lambda v: f"{v:.0f}")] if known else []),
                 number_cell(judged.bic - least, lambda v: f"{v:.1f}"),
                 number_cell(judged.evidence.log_evidence, lambda v: f"{v:.2f}"),
-                number_cell(judged.evidence.error, lambda v: f"{v:.2f}"),
+                number_cell(judged.evidence.error, _error),
                 Cell(percent(judged.probability), judged.probability),
                 number_cell(None if lost is None else lost.elpd, lambda v: f"{v:.1f}"),
                 Cell(gap),
@@ -172,6 +172,10 @@ def lenses_table(found: LensComparison) -> Table:
             )
         )
     return Table(tuple(columns), tuple(rows), 0, True, ("elpd", "order", "image"))
+
+
+def _error(value: float) -> str:
+    return f"{value:.2f}" if value < 10 else "?"
 
 
 def _small(value: float) -> str:
@@ -280,6 +284,6 @@ def sampling_words(found: LensComparison) -> str:
     text = (
         f"{found.best.key}: {n} draws by emcee, acceptance {chain.acceptance:.2f}; evidence from "
         f"{estimate.draws} importance draws, {100 * estimate.effective_fraction:.0f} % effective; "
-        f"seed {found.seed}."
+        f"seed {found.request.seed}."
     )
     return text if found.sound else f"{text}\n{NOT_SOUND}"

@@ -15,8 +15,9 @@ from bayescal.points.view_writer import views_to_csv
 
 def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Truth: OpenCV's own boards support k1 k2; a pinhole is hopeless."""
-    place = tmp_path / "lenses.json"
+    place, page = tmp_path / "lenses.json", tmp_path / "lenses.html"
     options = ["--lens", "pinhole", "--lens", "radial 2", "--independent", "--json", str(place)]
+    options += ["--report", str(page)]
     assert main(["calibrate", *options]) == 0
     shown = capsys.readouterr().out
     assert "Verdict: These views support radial 2, >99.9%: decided at 95%." in shown
@@ -26,6 +27,11 @@ def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert [lens["name"] for lens in document["lenses"]] == ["radial 2", "pinhole"]
     assert document["lenses"][0]["rms_px"] == pytest.approx(0.18, abs=0.03)
     assert document["verdict"]["status"] == "decided"
+    text = page.read_text(encoding="utf-8")
+    assert "These views support radial 2" in text
+    for figure in ("evidence", "vectors", "uncertainty"):
+        assert f'id="figure-{figure}"' in text
+    assert "http" not in text.replace("http://www.w3.org", "")  # nothing from outside
 
 
 def test_cameras_for_other_tools(

@@ -23,8 +23,8 @@ from bayescal.comparison.lenses.prediction import (
     largest,
     observed_sample,
 )
-from bayescal.comparison.lenses.results import Evidenced, JudgedLens, LensComparison
-from bayescal.comparison.lenses.sweep import Judge, Progress, Request, image_size
+from bayescal.comparison.lenses.results import Evidenced, JudgedLens, LensComparison, Request
+from bayescal.comparison.lenses.sweep import Judge, Progress, image_size
 from bayescal.comparison.lenses.verdict import judge_lenses
 from bayescal.errors import InputError
 from bayescal.inference.sampled_posterior import Guess, sample_model
@@ -102,7 +102,7 @@ def compare_lenses(
         distance * setting.data.diagonal,
         judge_lenses(lenses, caveats),
         (*view_notes(views), *notes),
-        request.seed,
+        request,
     )
 
 

@@ -95,7 +95,8 @@ def influence(basis: Evidenced) -> str | None:
         return None
     names = ", ".join(basis.views.names[v] for v in deciding[:4])
     more = f" and {len(deciding) - 4} more" if len(deciding) > 4 else ""
-    return f"without view {names}{more} (each alone) {second.key} would win over {first.key}"
+    alone = " (each alone)" if len(deciding) > 1 else ""
+    return f"without view {names}{more}{alone} {second.key} would win over {first.key}"
 
 
 def views_disagree(basis: Evidenced) -> str | None:

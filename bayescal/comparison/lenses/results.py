@@ -16,6 +16,37 @@ from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.points.views import Views
 
 
+@dataclass(frozen=True)
+class Request:
+    """What is asked for.
+
+    Attributes
+    ----------
+    lenses : tuple of str or None
+        As the user names them; None to have them found.
+    sigma : float or None
+        Known noise level, px; None where it is inferred.
+    independent : bool
+        Whether noise is taken as independent and the target as exact.
+    square, centred : bool
+        Whether fx = fy; whether the principal point stays in the middle.
+    seed : int
+    ess : int
+        Effective samples wanted of every parameter.
+    draws : int
+        Importance draws of each lens.
+    """
+
+    lenses: tuple[str, ...] | None = None
+    sigma: float | None = None
+    independent: bool = False
+    square: bool = False
+    centred: bool = False
+    seed: int = 0
+    ess: int = 400
+    draws: int = 2000
+
+
 @dataclass(frozen=True, eq=False)
 class ViewsLeftOut:
     """What views say that a lens has not seen: each left out in turn, the rest fitted again.
@@ -204,7 +235,7 @@ class LensComparison:
     verdict : LensVerdict
     notes : tuple of str
         What was assumed.
-    seed : int
+    request : Request
     """
 
     views: Views
@@ -218,7 +249,7 @@ class LensComparison:
     range: float
     verdict: LensVerdict
     notes: tuple[str, ...]
-    seed: int
+    request: Request
 
     @property
     def best(self) -> JudgedLens:

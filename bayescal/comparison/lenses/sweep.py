@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,43 +28,12 @@ from bayescal.comparison.lenses.candidates import (
     radial_candidates,
     rational_candidate,
 )
-from bayescal.comparison.lenses.results import JudgedLens
+from bayescal.comparison.lenses.results import JudgedLens, Request
 from bayescal.errors import InputError
 from bayescal.points.views import Views
 
 WORSE = 1e-9  # relative: a nested fit worse than its sub-model's by this is a failure
 FIRST: tuple[Node, ...] = ((0, 0, 0, 0), (3, 3, 3, 3))
-
-
-@dataclass(frozen=True)
-class Request:
-    """What is asked for.
-
-    Attributes
-    ----------
-    lenses : tuple of str or None
-        As the user names them; None to have them found.
-    sigma : float or None
-        Known noise level, px; None where it is inferred.
-    independent : bool
-        Whether noise is taken as independent and the target as exact.
-    square, centred : bool
-        Whether fx = fy; whether the principal point stays in the middle.
-    seed : int
-    ess : int
-        Effective samples wanted of every parameter.
-    draws : int
-        Importance draws of each lens.
-    """
-
-    lenses: tuple[str, ...] | None = None
-    sigma: float | None = None
-    independent: bool = False
-    square: bool = False
-    centred: bool = False
-    seed: int = 0
-    ess: int = 400
-    draws: int = 2000
 
 
 Progress = Callable[[str], None]
@@ -208,5 +177,5 @@ def image_size(views: Views) -> tuple[tuple[float, float], tuple[str, ...]]:
     low, high = views.pixels.min(axis=0), views.pixels.max(axis=0)
     # Points spread over an image leave about the same margin on both sides.
     width, height = (math.ceil(v) for v in low.clip(0) + high + 1)
-    note = f"image size not known: {width} by {height} px assumed from the points"
+    note = f"{width} by {height} px is assumed, from where the points are"
     return (float(width), float(height)), (note,)

@@ -147,5 +147,5 @@ def sigma_unusual(basis: Evidenced) -> str | None:
             f"{low:g} to {high:g} px: look for blur, wrong corners or a lens that none of these is"
         )
     if sigma < low / 3:
-        return f"a noise of {significant(sigma)} px is less than detectors have: check the points"
+        return f"a noise of {sigma:.2g} px is less than detectors have: check the points"
     return None

@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
-from bayescal.report.document.shared import evidence_facts, finite, summary_facts, versions
+from bayescal.report.document.shared import evidence_facts, finite, provenance, summary_facts
 
 SCHEMA = "bayescal.lenses/1"
 
@@ -23,7 +23,8 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
     views, verdict = found.views, found.verdict
     return {
         "schema": SCHEMA,
-        "provenance": {**versions(), "command": command, "seed": found.seed},
+        "provenance": {**provenance(command), "seed": found.request.seed},
+        "settings": asdict(found.request),
         "data": {
             "source": views.source,
             "sha256": views.sha256,
@@ -87,7 +88,7 @@ def _lens(judged: JudgedLens, found: LensComparison) -> dict[str, Any]:
         "bic": judged.bic,
         "least_squares": dict(zip(judged.model.names, values, strict=True)),
         "log_evidence": judged.evidence.log_evidence,
-        "log_evidence_error": judged.evidence.error,
+        "log_evidence_error": finite(judged.evidence.error),
         "effective_fraction": estimate.effective_fraction,
         "pareto_k": finite(estimate.pareto_k),
         "evidence_warnings": list(estimate.warnings),
