@@ -110,11 +110,6 @@ class PsisLoo(NamedTuple):
         """Monte Carlo standard error of each term, ``(n_points,)``."""
         return np.sqrt((self.influence**2).sum(axis=1))
 
-    @property
-    def mcse_of_sum(self) -> float:
-        """That of their sum: all share their draws."""
-        return float(np.linalg.norm(self.influence.sum(axis=0)))
-
 
 def psis_loo(log_likelihood: Array) -> PsisLoo:
     """Leave-one-out by Pareto-smoothed importance sampling from draws.
