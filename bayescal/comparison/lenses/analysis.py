@@ -33,6 +33,7 @@ from bayescal.points.views import Views
 
 PROBABLE = 1e-3  # lenses less probable than this are not looked at view by view
 MOST_LOOKED_AT = 6
+FEWEST = 20  # effective importance draws of the best lens: with fewer nothing can be said
 
 
 def compare_lenses(
@@ -66,6 +67,12 @@ def compare_lenses(
     judge.sweep()
     setting = judge.setting()
     lenses = _ranked(judge.judged)
+    estimate = lenses[0].evidence.estimate
+    if estimate.effective_fraction * estimate.draws < FEWEST:
+        raise InputError(
+            f"{views.source}: these views hardly say what the lens is (are they all alike?); add "
+            "views from other sides and distances"
+        )
     progress("views left out")
     lenses = _looked_at(lenses, setting.data)
     best = lenses[0]

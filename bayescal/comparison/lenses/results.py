@@ -13,7 +13,9 @@ from bayescal.calibration.least_squares import Fit
 from bayescal.calibration.lens_model import LensModel
 from bayescal.comparison.lenses.candidates import Candidate
 from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.markup import bullets, table
 from bayescal.points.views import Views
+from bayescal.rounding import significant
 
 
 @dataclass(frozen=True)
@@ -267,6 +269,23 @@ class LensComparison:
             if judged.key == key:
                 return judged
         raise KeyError(key)
+
+    def _repr_html_(self) -> str:
+        """Show the lenses in a notebook."""
+        heads = ["lens", "RMS [px]", "ln Z", "probability", "differs inside [px]"]
+        rows = [
+            [
+                j.key,
+                f"{j.rms:.4f}",
+                f"{j.evidence.log_evidence:.2f}",
+                f"{j.probability:.3f}",
+                "" if j.inside is None else significant(j.inside),
+            ]
+            for j in self.lenses
+        ]
+        caption = f"{len(self.views)} views; {self.verdict.text}"
+        shown = table(caption, heads, rows, marked=0)
+        return shown + bullets("Caveats", self.verdict.caveats)
 
     def __repr__(self) -> str:
         lines = [f"<LensComparison: {len(self.lenses)} lenses over {len(self.views)} views"]

@@ -63,6 +63,12 @@ def test_probabilities_and_criteria_agree_with_their_definitions() -> None:
     assert best.aic == pytest.approx(-2 * log_likelihood + 2 * k)
 
 
+def test_a_notebook_shows_the_lenses() -> None:
+    shown = compared()._repr_html_()
+    assert all(name in shown for name in NAMES)
+    assert shown.count("<tr>") == len(NAMES) + 1
+
+
 def test_emcee_agrees_with_importance_draws() -> None:
     """Truth: the same density, weighed; means within 5 of their errors, sds within a tenth."""
     found = compared()
@@ -111,6 +117,17 @@ def test_unknown_names_are_refused_in_a_line(name: str) -> None:
     with pytest.raises(InputError) as error:
         named_candidates([name])
     assert "\n" not in str(error.value)
+
+
+def test_one_view_taken_three_times_is_refused() -> None:
+    """The noise differs, the pose does not: focal length and distance can't be told apart."""
+    world, pixels = boards.pictures(np.random.default_rng(1), 1)
+    rng = np.random.default_rng(2)
+    again = [pixels[0] + rng.normal(0, 0.1, pixels[0].shape) for _ in range(3)]
+    width, height = boards.SIZE
+    views = Views.from_arrays([world] * 3, again, width=width, height=height)
+    with pytest.raises(InputError, match="alike"):
+        bc.calibrate(views, lenses=["pinhole", "radial 1"])
 
 
 def test_one_view_is_refused() -> None:
