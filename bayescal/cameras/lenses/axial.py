@@ -68,7 +68,7 @@ class Axial(ABC):
 
     def seen(self, rays: Array, k: Array) -> NDArray[np.bool_]:
         """Whether rays are inside `limit`, ``(..., n)``."""
-        angle = np.arctan2(np.hypot(rays[..., 0], rays[..., 1]), rays[..., 2])
+        angle = np.arctan2(np.sqrt(rays[..., 0] ** 2 + rays[..., 1] ** 2), rays[..., 2])
         return np.asarray(angle < self.limit(k)[..., None])
 
     def undistort(self, plane: Array, k: Array) -> Undistorted:
@@ -90,6 +90,6 @@ class Axial(ABC):
 
 def _angle(rays: Array) -> tuple[Array, Array, Array, Array]:
     """Sine and cosine of the angle from the axis, distance from it, and length, ``(..., n)``."""
-    rho = np.hypot(rays[..., 0], rays[..., 1])
-    length = np.hypot(rho, rays[..., 2])
+    square = rays[..., 0] ** 2 + rays[..., 1] ** 2
+    rho, length = np.sqrt(square), np.sqrt(square + rays[..., 2] ** 2)
     return rho / length, rays[..., 2] / length, rho, length

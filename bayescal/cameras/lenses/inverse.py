@@ -9,7 +9,7 @@ import numpy as np
 from bayescal.arrays import Array
 
 _EPS = float(np.finfo(np.float64).eps)
-# Bisection alone halves a bracket to rounding in about 60 steps; Newton's method takes some 6.
+# Bisection alone halves a bracket to rounding in about 60 steps; Newton's method takes some 7.
 _MOST_STEPS = 200
 _MOST_DOUBLINGS = 400
 _NEAR = 1e-6
@@ -40,23 +40,25 @@ def invert(curve: Callable[[Array], tuple[Array, Array]], target: Array, high: A
             value, slope = curve(w)
             below = value < target
             low, high = np.where(below, w, low), np.where(below, high, w)
-            newton = w - (value - target) / slope
-            trusted = (newton >= low) & (newton < high) & (np.abs(newton - w) <= moved / 2)
-            new = np.where(done, w, np.where(trusted, newton, low + (high - low) / 2))
-            moved = np.abs(new - w)
-            w = new
-            # Beside a pole Newton's step is tiny wherever it starts: near the root alone it counts.
+            step = (target - value) / slope
+            newton = w + step
+            # Rounding alone is left to correct; beside a pole any step is as small.
             near = np.abs(value - target) <= _NEAR * target
-            done |= (near & (moved <= 2 * _EPS * w)) | (high - low <= 2 * _EPS * w)
+            settled = near & (np.abs(step) <= 8 * _EPS * w)
+            trusted = (newton >= low) & (newton < high) & (np.abs(step) <= moved / 2)
+            new = np.where(trusted | settled, newton, low + (high - low) / 2)
+            new = np.where(done, w, new)
+            done |= settled | (high - low <= 2 * _EPS * w)
+            moved, w = np.abs(new - w), new
             if done.all():
                 break
     return w
 
 
 def _bracket(curve: Callable[[Array], tuple[Array, Array]], target: Array, high: Array) -> Array:
-    """Upper ends that are finite: doubled from the target until the curve is above it."""
+    """Upper ends that are finite: doubled from twice the target until the curve is above it."""
     endless = ~np.isfinite(high)
-    high = np.where(endless, np.where(np.isfinite(target), target, 1.0), high)
+    high = np.where(endless, np.where(np.isfinite(target), 2 * target, 1.0), high)
     for _ in range(_MOST_DOUBLINGS):
         short = endless & (curve(high)[0] < target)
         if not short.any():

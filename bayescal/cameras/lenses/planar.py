@@ -179,17 +179,19 @@ class Planar:
         """Whether rays are in front of the camera and inside `limit`, ``(..., n)``."""
         depth = rays[..., 2]
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            radius = np.where(depth > 0, np.hypot(rays[..., 0], rays[..., 1]) / depth, np.inf)
+            square = (rays[..., 0] ** 2 + rays[..., 1] ** 2) / depth**2
+            square = np.where(depth > 0, square, np.inf)
             # Most cameras fold far outside: there the terms that lower a bar sum to less than 1.
-            farthest = np.where(radius < np.inf, radius, 0).max(axis=-1, initial=0.0) ** self.step
+            farthest = np.where(square < np.inf, square, 0).max(axis=-1, initial=0.0)
+            farthest = farthest if self.step == 2 else np.sqrt(farthest)
             bars = [horner(np.minimum(bar, 0), farthest[..., None]) for bar in self._bars(k)]
-        shape = np.broadcast_shapes(radius.shape[:-1], k.shape[:-1])
+        shape = np.broadcast_shapes(square.shape[:-1], k.shape[:-1])
         near = np.all([bar[..., 0] > 0 for bar in bars], axis=0) & np.isfinite(k).all(axis=-1)
         near = np.broadcast_to(near, shape)
         edge = np.full(shape, np.inf)
         if not near.all():
             edge[~near] = self._edge(np.broadcast_to(k, (*shape, k.shape[-1]))[~near])
-        return np.asarray(radius < edge[..., None])
+        return np.asarray(square < edge[..., None] ** 2)
 
     def undistort(self, plane: Array, k: Array) -> Undistorted:
         """Rays of plane coordinates: the radial part in a bracket, the rest by Newton's method."""
