@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable
 from typing import Unpack
 
@@ -67,7 +66,7 @@ def compare(
         return result
     from bayescal.comparison.families.hint import family_hint
 
-    return dataclasses.replace(result, hint=family_hint(points, result, settings))
+    return result.with_hint(family_hint(points, result, settings))
 
 
 @spelled_out(Options)
@@ -105,6 +104,8 @@ def fit(
     orders = {a: checked_orders([k]) for a, k in (("r", order_r), ("c", order_c)) if k is not None}
     if not orders:
         raise InputError("give the order of r, of c or of both")
-    return analyse_points(
-        points_of(points, setup), orders, Settings(**options, defend=False), progress
-    )
+    settings, points = Settings(**options, defend=False), points_of(points, setup)
+    result = analyse_points(points, orders, settings, progress)
+    from bayescal.comparison.families.hint import family_hint
+
+    return result.with_hint(family_hint(points, result, settings))

@@ -24,6 +24,7 @@ class PolynomialOptions(TypedDict, total=False):
     noise: str
     nu: float | None
     bad_offset: bool
+    tolerance: float | None
     seed: int
     ess: int
 

@@ -22,7 +22,7 @@ CAMERA = (
     "c_from_bottom",
 )
 COMPARED = ("orders", "axis")
-MODEL = ("sigma", "prior", "tau", "noise", "nu", "bad_offset", "seed", "ess")
+MODEL = ("sigma", "prior", "tau", "noise", "nu", "bad_offset", "tolerance", "seed", "ess")
 
 
 def add_points(parser: argparse.ArgumentParser) -> None:
@@ -101,6 +101,13 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
         type=float,
         metavar="T",
         help="fix the strength of the non-linearity, a fraction of the image (inferred)",
+    )
+    model.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="PX",
+        help="difference of predictions that does not matter: an order suffices where those that "
+        "can't be excluded stay within it (a quarter of the noise)",
     )
     _add_noise(parser, choose=one_noise)
     run = parser.add_argument_group("run")

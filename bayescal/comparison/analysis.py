@@ -11,19 +11,27 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
+from bayescal.comparison.averaging import averaged_over, averaged_words
 from bayescal.comparison.axis import Axis
-from bayescal.comparison.caveats import caveats, notes
-from bayescal.comparison.goodness import NO_REFERENCE, reference_sigma
+from bayescal.comparison.findings.case import Case
+from bayescal.comparison.findings.finding import ordered
+from bayescal.comparison.findings.kinds import findings
+from bayescal.comparison.goodness import NO_REFERENCE, ReferenceSigma, reference_sigma
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.key import POLYNOMIAL, Key
+from bayescal.comparison.notes import notes
+from bayescal.comparison.order_result import OrderResult
 from bayescal.comparison.orders import order_of
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.comparison.settings import Settings, prior_rule
 from bayescal.comparison.store import Store
-from bayescal.comparison.verdict import verdict_on
+from bayescal.comparison.sufficiency import sufficiency
+from bayescal.comparison.verdict import AxisVerdict, verdict_on
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.noise.model import NoiseModel
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.geometry import odd_geometry
 from bayescal.points.groups import Groups, groups_of
 from bayescal.points.setup import AXES
 from bayescal.polynomials import separable
@@ -40,6 +48,12 @@ class _Around:
     camera: Array | None = None
     groups: Groups | None = None
     group_names: tuple[str, ...] | None = None
+    geometry: tuple[str, ...] = ()
+
+    @property
+    def depth(self) -> Array | None:
+        """Z in the camera's frame, ``(n_points,)``, world units."""
+        return None if self.camera is None else self.camera[:, 2]
 
 
 def analyse_points(
@@ -59,7 +73,7 @@ def analyse_points(
         # Refuse before anything is sampled.
         data[name].check(wanted[-1])
         prior_rule(data[name], settings, points.setup.priors.get(name)).of_order(wanted[-1])
-    groups, kept = groups_of(points), store or Store()
+    groups, kept, odd = groups_of(points), store or Store(), tuple(odd_geometry(points))
     axes = {}
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
@@ -73,7 +87,7 @@ def analyse_points(
                 other=other,
                 stated=points.setup.priors.get(name),
             )
-            around = _Around(other, points.camera_frame(), groups, points.groups)
+            around = _Around(other, points.camera_frame(), groups, points.groups, odd)
             axes[name] = _compare(axis, wanted, around, settings, kept, progress)
     assumed = notes(points, axes.values())
     return Comparison(axes, separable.NAME, points, settings, assumed)
@@ -105,6 +119,9 @@ def _compare(
         reference = reference_sigma(axis.noise, axis.fit(axis.highest), replicates)
     candidates = [order_of(axis, k, shape, reference) for k in orders]
     results = judge_all(candidates, store, settings, partial(_tell, progress))
+    verdict = _verdict(axis, results, shape, reference, around, settings)
+    averaged = averaged_over(axis, results, verdict.order)
+    unit = "" if data.axis == "y" else " px"
     plain = AxisComparison(
         data,
         axis.noise,
@@ -113,13 +130,44 @@ def _compare(
         reference,
         pure_error(data.x, None, data.t),
         results,
-        verdict_on(results, caveats(results, axis.noise)),
+        verdict.with_findings((), averaged_words(averaged, unit)),
         noise_model=shape,
+        averaged=averaged,
     )
     if not settings.defend:
         return plain
     _tell(progress, Key.of_axis(data.axis, 0, shape.name))
     return _defended(plain, axis, around, store, settings)
+
+
+def _verdict(
+    axis: Axis,
+    results: Sequence[OrderResult],
+    shape: NoiseModel,
+    reference: ReferenceSigma,
+    around: _Around,
+    settings: Settings,
+) -> AxisVerdict:
+    """Say which order, what stands against it, and whether it is enough."""
+    case = Case(
+        axis,
+        results,
+        shape,
+        reference,
+        around.other,
+        around.depth,
+        around.group_names,
+        around.geometry,
+    )
+    enough = partial(
+        sufficiency,
+        axis.data,
+        axis.noise,
+        results,
+        tolerance=settings.tolerance,
+        triangle=axis.factors.r,
+    )
+    return verdict_on(results, findings(case), enough)
 
 
 def _tell(progress: Progress | None, key: Key) -> None:
@@ -149,8 +197,8 @@ def _defended(
 def _tested(plain: AxisComparison, around: _Around, rng: np.random.Generator) -> AxisComparison:
     """Add tests of the recommended order's residuals, which assume Gaussian noise."""
     from bayescal.comparison.adequacy.block import adequacy
-    from bayescal.comparison.adequacy.outcome import concerns
     from bayescal.comparison.defence.world_units import world_units
+    from bayescal.comparison.findings.misfit import concerning
 
     data, chosen, camera = plain.data, plain.chosen, around.camera
     draws = chosen.posterior.chain.draws
@@ -159,12 +207,13 @@ def _tested(plain: AxisComparison, around: _Around, rng: np.random.Generator) ->
         chosen.fit,
         plain.noise,
         around.other,
-        None if camera is None else camera[:, 2],
+        around.depth,
         around.group_names,
         draws.reshape(-1, draws.shape[2]),
         rng,
     )
-    verdict = replace(plain.verdict, caveats=(*plain.verdict.caveats, *concerns(tests)))
+    before = [f for f in plain.verdict.findings if not f.kind.startswith("misfit")]
+    verdict = replace(plain.verdict, findings=ordered((*before, *concerning(tests))))
     # Stated errors of world coordinates need no hint of what they are worth.
     unstated = camera if data.x_sd is None else None
     units = () if unstated is None else world_units(data, chosen.fit, unstated)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from bayescal.comparison.averaging import AveragedPrediction
+from bayescal.comparison.findings.surroundings import another_model
 from bayescal.comparison.goodness import ReferenceSigma
 from bayescal.comparison.order_result import OrderResult as OrderResult
 from bayescal.comparison.verdict import AxisVerdict, percent
@@ -52,6 +54,8 @@ class AxisComparison:
         the world coordinates' errors are not stated.
     noise_model : NoiseModel
         Shape of the noise about its level.
+    averaged : AveragedPrediction or None
+        Prediction averaged over orders, beside the recommended one's.
     """
 
     data: AxisData
@@ -66,6 +70,7 @@ class AxisComparison:
     adequacy: tuple[AdequacyTest, ...] = ()
     world_units: tuple[WorldUnit, ...] = ()
     noise_model: NoiseModel = GAUSSIAN
+    averaged: AveragedPrediction | None = None
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:
@@ -138,6 +143,17 @@ class Comparison:
     notes: tuple[str, ...]
     origin: dict[str, Any] | None = None
     hint: str | None = None
+
+    def with_hint(self, hint: str | None) -> Comparison:
+        """Give the comparison that knows whether another model is very strongly better."""
+        if hint is None:
+            return self
+        found = [another_model(hint)]
+        axes = {
+            name: replace(axis, verdict=axis.verdict.with_findings(found))
+            for name, axis in self.axes.items()
+        }
+        return replace(self, axes=axes, hint=hint)
 
     @property
     def seed(self) -> int:

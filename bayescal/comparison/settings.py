@@ -62,6 +62,9 @@ class Settings:
         Fixes the degrees of freedom of Student-t noise; by default they are inferred.
     bad_offset : bool, optional
         Infer an offset of the mixture's bad points; by default it is zero.
+    tolerance : float, optional
+        Difference of predictions that does not matter, px: an order suffices where those that
+        can't be excluded stay within it. By default a quarter of the noise level.
 
     Raises
     ------
@@ -78,10 +81,11 @@ class Settings:
     noise: str = "gaussian"
     nu: float | None = None
     bad_offset: bool = False
+    tolerance: float | None = None
 
     def __post_init__(self) -> None:
         # Plain numbers, whatever numpy's or int they come as: a run writes them down.
-        for name in ("sigma", "tau", "nu"):
+        for name in ("sigma", "tau", "nu", "tolerance"):
             if isinstance(value := getattr(self, name), numbers.Real):
                 object.__setattr__(self, name, float(value))
         for name in ("seed", "ess"):
@@ -93,6 +97,8 @@ class Settings:
             )
         if not 100 <= self.ess <= 1_000_000:
             raise InputError(f"ess must be from 100 to 1000000, not {self.ess}")
+        if self.tolerance is not None and not 0 < self.tolerance < LARGEST_PX:
+            raise InputError(f"tolerance must be a positive number of px, not {self.tolerance:g}")
         if self.seed < 0:
             raise InputError(f"seed must not be negative, but is {self.seed}")
         if self.choice.robust and self.prior == "flat":

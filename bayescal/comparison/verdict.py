@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.evidence import plausible_set, strength
+from bayescal.comparison.findings.finding import Finding, ordered
 from bayescal.comparison.order_result import OrderResult
+from bayescal.comparison.sufficiency import Sufficiency
 from bayescal.markup import bullets, paragraph
 from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.rounding import significant
 
 
 @dataclass(frozen=True)
@@ -22,8 +25,8 @@ class AxisVerdict:
         The most probable order; None under a flat prior.
     plausible : tuple of int
         Smallest set of orders, by falling probability, that reaches 0.95.
-    decided : bool
-        Whether that set has one member.
+    chances : tuple of float
+        Probabilities of the plausible orders.
     log_bayes_factor_to_next : float or None
         ln B against the runner-up; None where one order was compared.
     strength : str or None
@@ -32,40 +35,95 @@ class AxisVerdict:
         The orders that AICc (AIC where AICc is not defined) and BIC prefer.
     aic_name : str
         Which of the two it is, ``"AICc"`` or ``"AIC"``.
-    caveats : tuple of str
-    text : str
-        One paragraph.
+    findings : tuple of Finding
+        What stands against the verdict or limits it, the gravest first.
+    sentences : tuple of str
+        What follows the headline.
+    enough : Sufficiency or None
+        How far the other plausible orders lie from the recommended one.
     """
 
     order: int | None
     plausible: tuple[int, ...]
-    decided: bool
+    chances: tuple[float, ...]
     log_bayes_factor_to_next: float | None
     strength: str | None
     aicc_order: int | None
     bic_order: int | None
-    caveats: tuple[str, ...]
-    text: str
+    findings: tuple[Finding, ...]
+    sentences: tuple[str, ...]
+    enough: Sufficiency | None = None
     aic_name: str = "AICc"
+
+    @property
+    def withheld(self) -> tuple[str, ...]:
+        """Why nothing can be called decided, in a few words each."""
+        return tuple(dict.fromkeys(f.because for f in self.findings if f.withholds))
+
+    @property
+    def decided(self) -> bool:
+        """Whether one order alone is plausible, and nothing stands against the comparison."""
+        return len(self.plausible) == 1 and not self.withheld
+
+    @property
+    def outcome(self) -> str | None:
+        """Decided, suffices, undecided or, where withheld, best compared; None without evidence."""
+        if self.order is None:
+            return None
+        if self.withheld:
+            return "best compared"
+        if self.decided:
+            return "decided"
+        return "suffices" if self.enough is not None and self.enough.enough else "undecided"
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """The findings' sentences, the gravest first."""
+        return tuple(f.text for f in self.findings)
+
+    @property
+    def text(self) -> str:
+        """One paragraph: the headline, then what supports it."""
+        return " ".join((headline(self), *self.sentences))
+
+    def with_findings(self, more: Iterable[Finding], *sentences: str) -> AxisVerdict:
+        """Give the verdict with more findings, and more sentences behind it."""
+        found = ordered((*self.findings, *more))
+        said = (*self.sentences, *(s for s in sentences if s))
+        return replace(self, findings=found, sentences=said)
 
     def _repr_html_(self) -> str:
         """Show the verdict in a notebook."""
         return paragraph(self.text) + bullets("Caveats", self.caveats)
 
 
-def verdict_on(results: Sequence[OrderResult], caveats: Sequence[str]) -> AxisVerdict:
-    """Form the verdict of one axis from its orders, judged; `caveats` limit it."""
+def verdict_on(
+    results: Sequence[OrderResult],
+    findings: Sequence[Finding],
+    enough: Callable[[tuple[int, ...]], Sufficiency | None] = lambda _: None,
+) -> AxisVerdict:
+    """Form the verdict of one axis from its orders, judged.
+
+    Parameters
+    ----------
+    results : sequence of OrderResult
+    findings : sequence of Finding
+        What limits it.
+    enough : callable, optional
+        From the plausible orders to how far they lie from the first.
+    """
     evidence = {r.order: r.log_evidence for r in results if r.log_evidence is not None}
     chances = {r.order: r.probability for r in results if r.probability is not None}
     known = {r.order: r.criteria for r in results if r.key.noise == GAUSSIAN.name}
-    return judge(chances or None, evidence or None, known, caveats)
+    verdict = judge(chances or None, evidence or None, known, findings)
+    return replace(verdict, enough=enough(verdict.plausible)) if len(results) > 1 else verdict
 
 
 def judge(
     probability: Mapping[int, float] | None,
     log_evidence: Mapping[int, float] | None,
     criteria: Mapping[int, Criteria],
-    caveats: Sequence[str],
+    findings: Sequence[Finding],
 ) -> AxisVerdict:
     """Form the verdict of one axis.
 
@@ -75,67 +133,89 @@ def judge(
         By order; None under a flat prior.
     criteria : mapping of int to Criteria
         By order; empty where there are none, the noise not being Gaussian.
-    caveats : sequence of str
+    findings : sequence of Finding
         What the comparison can't vouch for.
     """
     aic_name, aicc_order = _preferred_aic(criteria)
     bic_order = _smallest({k: c.bic for k, c in criteria.items()})
     by_criteria = _criteria_words(aic_name, aicc_order, bic_order)
+    found = ordered(findings)
     if probability is None or log_evidence is None:
-        text = f"No order is recommended: a flat prior has no evidence. {by_criteria}"
         return AxisVerdict(
-            None, (), False, None, None, aicc_order, bic_order, tuple(caveats), text, aic_name
+            None, (), (), None, None, aicc_order, bic_order, found, (by_criteria,), None, aic_name
         )
     order = max(probability, key=lambda k: (probability[k], -k))
     plausible = plausible_set(probability)
-    decided = len(plausible) == 1
-    rest = [z for k, z in log_evidence.items() if k != order]
-    log_factor = log_evidence[order] - max(rest) if rest else None
+    rest = {k: z for k, z in log_evidence.items() if k != order}
+    log_factor = log_evidence[order] - max(rest.values()) if rest else None
     words = strength(log_factor) if log_factor is not None else None
-    text = _text(order, probability, plausible, log_factor, words)
-    agree = aicc_order == bic_order == order
-    if len(criteria) <= 1:
-        pass
-    elif agree:
-        text += f" {aic_name} and BIC agree."
-    else:
-        text += f" {by_criteria}"
+    sentences = []
+    if log_factor is not None:
+        runner_up = max(rest, key=lambda k: probability[k])
+        sentences.append(
+            f"Evidence against the runner-up, order {runner_up}: 2 ln B = {2 * log_factor:.1f}, "
+            f"{words} (Kass & Raftery)."
+        )
+    if len(criteria) > 1:
+        agree = aicc_order == bic_order == order
+        sentences.append(f"{aic_name} and BIC agree." if agree else by_criteria)
     return AxisVerdict(
         order,
         plausible,
-        decided,
+        tuple(probability[k] for k in plausible),
         log_factor,
         words,
         aicc_order,
         bic_order,
-        tuple(caveats),
-        text,
+        found,
+        tuple(sentences),
+        None,
         aic_name,
     )
 
 
-def _text(
-    order: int,
-    probability: Mapping[int, float],
-    plausible: tuple[int, ...],
-    log_factor: float | None,
-    words: str | None,
-) -> str:
-    if log_factor is None:
-        return f"Order {order} is the only one compared."
-    others = [k for k in plausible if k != order]
-    runner_up = max((k for k in probability if k != order), key=lambda k: probability[k])
-    text = f"Order {order} is the most probable, {percent(probability[order])}; "
-    if others:
-        listed = ", ".join(f"{k} ({percent(probability[k])})" for k in others)
-        noun = "order" if len(others) == 1 else "orders"
-        text += f"not decided: {noun} {listed} can't be excluded at 95%. "
-    else:
-        text += "decided at 95%. "
-    return text + (
-        f"Evidence against the runner-up, order {runner_up}: 2 ln B = {2 * log_factor:.1f}, "
-        f"{words} (Kass & Raftery)."
+def headline(verdict: AxisVerdict) -> str:
+    """Say the outcome in a sentence: decided, suffices, undecided, or the best compared."""
+    order = verdict.order
+    if order is None:
+        return "No order is recommended: a flat prior has no evidence."
+    withheld = listed_words(verdict.withheld)
+    if verdict.log_bayes_factor_to_next is None:
+        only = f"Order {order} is the only one compared"
+        return f"{only}, and {withheld}." if withheld else f"{only}."
+    others = [
+        f"{k} ({percent(p)})"
+        for k, p in zip(verdict.plausible[1:], verdict.chances[1:], strict=True)
+    ]
+    noun = "orders" if len(others) > 1 else "order"
+    listed, own = f"{noun} {', '.join(others)}", percent(verdict.chances[0])
+    if withheld:
+        rest = f"{listed} can't be excluded at 95%, and " if others else ""
+        return f"Order {order} is the best of those compared, {own}; not decided: {rest}{withheld}."
+    if not others:
+        return f"Order {order} is the most probable, {own}; decided at 95%."
+    opening, enough = f"Order {order} is the most probable, {own}", verdict.enough
+    if enough is None:
+        return f"{opening}; not decided: {listed} can't be excluded at 95%."
+    largest = f"{significant(enough.largest)} {enough.unit}".strip()
+    whose = "as stated" if enough.stated else "a quarter of the noise"
+    limit = f"{significant(enough.tolerance)} {enough.unit}".strip() + f" ({whose})"
+    if enough.enough:
+        return (
+            f"{opening}, and suffices: {listed} can't be excluded at 95%, but "
+            f"{'differ' if len(others) > 1 else 'differs'} from it by at most {largest} anywhere "
+            f"(95%), within the tolerance of {limit}."
+        )
+    return (
+        f"{opening}; undecided, and it matters: {listed} can't be excluded at 95%, and may differ "
+        f"from it by {largest} somewhere (95%), above the tolerance of {limit}."
     )
+
+
+def listed_words(parts: Sequence[str]) -> str:
+    """Join clauses with commas, the last with "and"."""
+    *some, last = parts or ("",)
+    return f"{', '.join(some)}, and {last}" if some else last
 
 
 def percent(probability: float) -> str:

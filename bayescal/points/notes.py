@@ -28,12 +28,6 @@ def point_notes(points: Correspondences) -> list[str]:
     return found + _off_the_image(points) + _repeated(points)
 
 
-def behind_notes(points: Correspondences) -> list[str]:
-    """Say which points a camera that looks along z has behind it; one line or none."""
-    behind = int((points.camera_frame()[:, 2] < 0).sum())
-    return [f"{_of(behind, points, 'lies', 'lie')} behind the camera (z < 0)"] if behind else []
-
-
 def _of(count: int, points: Correspondences, one: str, more: str) -> str:
     return f"{count} of {counted(len(points), 'point')} {one if count == 1 else more}"
 

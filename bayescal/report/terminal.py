@@ -36,8 +36,6 @@ def comparison_view(comparison: Comparison) -> RenderableType:
             parts.append(Text("\n  No order is recommended; shown is the one of lowest BIC."))
         parts += [laid_out(coefficients_table(axis, axis.chosen)), Text("")]
     parts += _across(comparison)
-    if comparison.hint is not None:
-        parts.append(Text(f"Is it the order, or the model? {comparison.hint}.\n"))
     parts.append(sampling_line(comparison))
     return Group(*parts)
 

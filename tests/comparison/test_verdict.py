@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from scipy.special import softmax
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.evidence import plausible_set, probabilities, strength
+from bayescal.comparison.findings.finding import limits, overturns, wrong_model
+from bayescal.comparison.sufficiency import Difference, Sufficiency
 from bayescal.comparison.verdict import judge, percent
 
 log_evidences = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=20)
@@ -89,7 +92,7 @@ def test_plausible_set_is_the_smallest_that_reaches_95_percent(weights):
 
 def verdict_of(log_evidence, criteria):
     chances = dict(zip(log_evidence, probabilities(list(log_evidence.values())), strict=True))
-    return judge(chances, log_evidence, criteria, ["a caveat"])
+    return judge(chances, log_evidence, criteria, [limits("kind", "a caveat")])
 
 
 def test_a_decided_verdict():
@@ -119,6 +122,59 @@ def test_an_undecided_verdict_names_the_others_and_the_disagreement():
     assert found.strength == "not worth more than a bare mention"
     assert "not decided: order 2" in found.text
     assert "AICc prefers order 2, BIC order 1" in found.text
+
+
+def even_verdict():
+    """Two orders, 62 % and 38 %."""
+    return verdict_of(
+        {1: -90.0, 2: -90.5},
+        {1: criteria_of(181, 184, 182), 2: criteria_of(179, 185, 180)},
+    )
+
+
+@pytest.mark.parametrize(
+    ("largest", "outcome", "words"),
+    [
+        (0.1, "suffices", "and suffices: order 2 (38%) can't be excluded at 95%, but differs"),
+        (0.3, "undecided", "undecided, and it matters: order 2 (38%) can't be excluded at 95%"),
+    ],
+)
+def test_orders_that_differ_by_less_than_the_tolerance_do_not_matter(largest, outcome, words):
+    enough = Sufficiency(0.25, stated=True, differences=(Difference(2, largest),))
+    found = replace(even_verdict(), enough=enough)
+    assert found.outcome == outcome
+    assert words in found.text
+    assert f"{largest:.2f} px" in found.text
+    assert "tolerance of 0.25 px (as stated)" in found.text
+
+
+@pytest.mark.parametrize("make", [overturns, wrong_model])
+def test_what_overturns_withholds_the_word_decided(make):
+    """Truth: 98.2 % alone in the plausible set, and a finding that says why not."""
+    sure = verdict_of(
+        {1: -100.0, 2: -90.0}, {1: criteria_of(200, 205, 201), 2: criteria_of(180, 187, 182)}
+    )
+    assert (sure.decided, sure.outcome) == (True, "decided")
+    found = sure.with_findings([make("kind", "a long sentence", "the model misses")], "More.")
+    assert (found.order, found.plausible) == (2, (2,))
+    assert (found.decided, found.outcome) == (False, "best compared")
+    assert found.caveats == ("a long sentence", "a caveat")
+    assert found.text.startswith("Order 2 is the best of those compared, >99.9%; not decided: the ")
+    assert "decided at 95%" not in found.text
+    assert found.text.endswith("More.")
+
+
+def test_findings_are_ordered_by_severity_and_said_once():
+    found = even_verdict().with_findings(
+        [
+            overturns("a", "second", "x"),
+            wrong_model("b", "first", "y"),
+            overturns("c", "third", "x"),
+        ]
+    )
+    again = found.with_findings([overturns("a", "second", "x")])
+    assert again.caveats == ("first", "second", "third", "a caveat")
+    assert again.withheld == ("y", "x")
 
 
 def test_aic_stands_in_where_aicc_is_not_defined_for_every_order():

@@ -11,9 +11,11 @@ import pytest
 from scipy.special import gammaincinv, logsumexp, ndtri
 
 import bayescal as bc
-from bayescal.comparison.caveats import MANY_BAD, sampled_caveats
+from bayescal.comparison.axis import Axis
 from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.goodness import GoodnessOfFit
+from bayescal.comparison.findings.case import Case
+from bayescal.comparison.findings.sampling import MANY_BAD, sampled
+from bayescal.comparison.goodness import NO_REFERENCE, GoodnessOfFit
 from bayescal.comparison.key import Key
 from bayescal.comparison.leave_one_out import leave_one_out
 from bayescal.comparison.psis import sampled_leave_one_out
@@ -185,10 +187,15 @@ def test_without_the_bound_on_the_fraction_the_labels_swap_and_that_is_said():
         for largest in (0.5, 1.0)
     }
     assert found[1.0]["bad_fraction"].mean > MANY_BAD
-    said = sampled_caveats([result_of(found[1.0])], NoiseLevel.inferred())
-    assert any("bad is no exception here" in line for line in said)
+    axis = Axis(data, NoiseLevel.inferred(), "", PriorRule("field", 1000.0, 500.0), "", 1)
+
+    def said(posterior):
+        case = Case(axis, [result_of(posterior)], OutlierMixture(), NO_REFERENCE)
+        return [finding.text for finding in sampled(case)]
+
+    assert any("bad is no exception here" in line for line in said(found[1.0]))
     assert found[0.5]["bad_fraction"].mean < MANY_BAD
-    assert not sampled_caveats([result_of(found[0.5])], NoiseLevel.inferred())
+    assert not said(found[0.5])
 
 
 def result_of(posterior):

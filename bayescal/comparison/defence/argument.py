@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.defence.results import Defence, Prediction
 from bayescal.comparison.defence.stability import Beyond
+from bayescal.comparison.findings.beyond_range import beyond_range
+from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.verdict import AxisVerdict, percent
 from bayescal.rounding import counted, significant
 
@@ -29,25 +30,23 @@ def argue(
     size : float
         Image size along the axis, px.
     """
-    text, caveats = [verdict.text], list(verdict.caveats)
     if verdict.order is None:
         return verdict
-    text += [
+    text = [
         _worth(defence),
         _tau(verdict.order, defence, size),
         _resampled(defence, verdict.order),
     ]
     text += [_removals(defence), _disagreement(verdict, criteria)]
     text.append(_leave_one_out(verdict.order, defence.prediction))
+    more = []
     clear = _clear_contradiction(verdict.order, defence.prediction)
     if clear:
-        caveats.append(clear)
+        more.append(limits("leave-one-out", clear))
     if defence.beyond is not None:
-        caveats += _beyond_caveat(defence.beyond)
+        more += beyond_range(defence.beyond)
         text.append(_beyond(defence.beyond))
-    return dataclasses.replace(
-        verdict, text=" ".join(part for part in text if part), caveats=tuple(caveats)
-    )
+    return verdict.with_findings(more, *text)
 
 
 def _beyond(found: Beyond) -> str:
@@ -55,16 +54,6 @@ def _beyond(found: Beyond) -> str:
         return ""
     orders = ", ".join(str(k) for k in found.orders)
     return f"Beyond the range, orders {orders} were tried and would not take its place."
-
-
-def _beyond_caveat(found: Beyond) -> list[str]:
-    if found.winner is None:
-        return []
-    chance = percent(found.probability[found.winner])
-    return [
-        f"order {found.winner}, beyond the compared range, would win ({chance} with orders "
-        f"{', '.join(str(k) for k in found.orders)} compared too): compare more orders"
-    ]
 
 
 def _worth(defence: Defence) -> str:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 from bayescal.comparison.axis import Axis
 from bayescal.comparison.evidence import strength
+from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.orders import order_of
 from bayescal.comparison.settings import Settings
@@ -45,11 +45,7 @@ def about_noise(verdict: AxisVerdict, own: Judged, others: Sequence[Judged]) -> 
     if not others or verdict.order is None:
         return verdict
     text, caveat = noise_words(own, others)
-    return replace(
-        verdict,
-        text=f"{verdict.text} {text}".strip(),
-        caveats=verdict.caveats if caveat is None else (*verdict.caveats, caveat),
-    )
+    return verdict.with_findings(() if caveat is None else [limits("noise", caveat)], text)
 
 
 def noise_words(own: Judged, others: Sequence[Judged]) -> tuple[str, str | None]:

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.comparison.caveats import PILE
 from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.findings.bounds import PILE
 from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.comparison.leave_one_out import paired_difference
 from bayescal.density.pinhole import PinholeModel

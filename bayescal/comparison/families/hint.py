@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,9 +17,10 @@ from bayescal.comparison.families.models import (
     joint_criteria,
     joint_data,
 )
-from bayescal.comparison.key import FREE
+from bayescal.comparison.key import FREE, STATED
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
+from bayescal.density.joint_data import JointData
 from bayescal.density.pinhole_proposal import ladder
 from bayescal.density.position_search import position_mode
 from bayescal.errors import InputError
@@ -32,36 +34,62 @@ DECISIVE = 10.0
 
 
 def family_hint(points: Correspondences, result: Comparison, settings: Settings) -> str | None:
-    """Say in one line whether another family, or a free position, is decisively better.
-
-    The pinhole of orders 0 and 1 and the recommended pair of orders at a free position, by
-    Laplace approximations of the evidence, against the pair at the stated position. None
-    where 2 ln B is below 10, where there is no evidence, or where no such model can be had.
-    """
+    """Say in one line whether another family, or a free position, is decisively better."""
     axes = result.axes
     if set(axes) != set(AXES) or settings.noise != "gaussian":
         return None
     chosen = [axes[name].chosen for name in AXES]
     if any(c.log_evidence is None or c.criteria.bic is None for c in chosen):
         return None
-    bic = sum(c.criteria.bic or 0.0 for c in chosen)
-    stated = sum(c.log_evidence or 0.0 for c in chosen)
+    r, c = (
+        Axis(a.data, a.noise, a.noise_source, a.prior, result.family, a.orders[-1].order)
+        for a in (axes[name] for name in AXES)
+    )
+    stated = Stated(
+        (chosen[0].order, chosen[1].order),
+        sum(c.log_evidence or 0.0 for c in chosen),
+        sum(c.criteria.bic or 0.0 for c in chosen),
+    )
+    return decisively_better(points, (r, c), stated, settings)
+
+
+@dataclass(frozen=True)
+class Stated:
+    """The recommended orders at the stated position: log evidence and BIC of both axes."""
+
+    orders: tuple[int, int]
+    log_evidence: float
+    bic: float
+
+
+def decisively_better(
+    points: Correspondences, axes: tuple[Axis, Axis], stated: Stated, settings: Settings
+) -> str | None:
+    """Say in one line which model is decisively better than the orders at the stated position.
+
+    The pinhole of orders 0 and 1, at a free and at the stated position, and the pair of orders
+    at a free position, by Laplace approximations of the evidence. None where 2 ln B is below
+    10, or where no such model can be had.
+    """
     with threadpool_limits(1), np.errstate(all="ignore"):
-        found = _rivals(points, result, settings)
+        found = _rivals(points, axes, stated.orders, settings)
     if not found:
         return None
     best = max(found, key=lambda rival: rival.log_evidence)
-    gain = 2 * (best.log_evidence - stated)
+    gain = 2 * (best.log_evidence - stated.log_evidence)
     if gain < DECISIVE:
         return None
-    x, y, z = best.position
     changed = ""
     if best.bic is not None:
-        changed = f", BIC {'lower' if best.bic < bic else 'higher'} by {abs(bic - best.bic):.0f}"
+        less = stated.bic - best.bic
+        changed = f", BIC {'lower' if less > 0 else 'higher'} by {abs(less):.0f}"
+    where = "at the stated camera position"
+    if best.position is not None:
+        x, y, z = best.position
+        where = f"with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g})"
     return (
-        f"{best.name} with a free camera position (near {x:.4g}, {y:.4g}, {z:.4g}) describes these "
-        f"points decisively better: 2 ln B about {gain:.0f} (Laplace){changed}; "
-        "see compare --family separable,pinhole --position stated,free"
+        f"{best.name} {where} describes these points decisively better: 2 ln B about {gain:.0f} "
+        f"(Laplace){changed}; see compare --family separable,pinhole --position stated,free"
     )
 
 
@@ -72,29 +100,37 @@ class _Rival:
     log_evidence: float
     bic: float | None  # None of an exact fit
     name: str
-    position: tuple[float, ...]
+    position: tuple[float, ...] | None  # None where it is the stated one
 
 
-def _rivals(points: Correspondences, result: Comparison, settings: Settings) -> list[_Rival]:
+def _rivals(
+    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int], settings: Settings
+) -> list[_Rival]:
     """Fit the models of the hint, as far as the points allow."""
-    k, m = (result.axes[name].chosen.order for name in AXES)
-    r, c = (
-        Axis(a.data, a.noise, a.noise_source, a.prior, result.family, a.orders[-1].order)
-        for a in (result.axes[name] for name in AXES)
-    )
-    data, out = joint_data((r, c)), []
+    k, m = orders
+    data, out = joint_data(axes), []
     with contextlib.suppress(*NO_MODEL):
-        model, rss = free_model(points, (r, c), (k, m))
+        model, rss = free_model(points, axes, (k, m))
         bic = joint_criteria(data, rss, k + m + 5 + sum(data.inferred)).bic
         mass = position_mode(model).log_mass
         out.append(_Rival(mass, bic, f"separable ({k}, {m})", tuple(model.start.tolist())))
-    with contextlib.suppress(*NO_MODEL):
-        for order in (0, 1):
-            pinhole = gaussian_pinhole(points, order, FREE, "even", data, settings)
-            _, log_mass = ladder(pinhole)
-            position = pinhole.geometry.position(pinhole.geometry.full(pinhole.fit.free[None]))[0]
-            count = pinhole.geometry.dimension + sum(data.inferred)
-            bic = joint_criteria(data, pinhole.fit.rss, count).bic
-            mass = float(logsumexp(log_mass))
-            out.append(_Rival(mass, bic, f"pinhole of order {order}", tuple(position.tolist())))
+    for where, order in itertools.product((FREE, STATED), (0, 1)):
+        # Points of one plane leave a free position open, not the stated one.
+        with contextlib.suppress(*NO_MODEL):
+            out.append(_pinhole(points, order, where, data, settings))
     return out
+
+
+def _pinhole(
+    points: Correspondences, order: int, where: str, data: JointData, settings: Settings
+) -> _Rival:
+    """Fit a pinhole, and weigh it by its Laplace approximation."""
+    model = gaussian_pinhole(points, order, where, "even", data, settings)
+    mass = float(logsumexp(ladder(model)[1]))
+    count = model.geometry.dimension + sum(data.inferred)
+    bic = joint_criteria(data, model.fit.rss, count).bic
+    position = None
+    if where == FREE:
+        at = model.geometry.position(model.geometry.full(model.fit.free[None]))[0]
+        position = tuple(at.tolist())
+    return _Rival(mass, bic, f"pinhole of order {order}", position)

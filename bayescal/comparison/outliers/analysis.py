@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
 from bayescal.comparison.axis import Axis
+from bayescal.comparison.criteria import criteria
+from bayescal.comparison.families.hint import Stated, decisively_better
+from bayescal.comparison.findings.finding import ordered
+from bayescal.comparison.findings.misfit import cheap_tests, concerning
+from bayescal.comparison.findings.surroundings import another_model
 from bayescal.comparison.judged import Judged, with_probabilities
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.key import Key
@@ -72,7 +78,36 @@ def find_outliers(
                 stated=points.setup.priors.get(name),
             )
             axes[name] = _axis(points, axis, orders, noises, rejection, settings, tell, kept)
-    return OutlierStudy(axes, points, rejection.significance, settings, noises)
+    study = OutlierStudy(axes, points, rejection.significance, settings, noises)
+    return _with_hint(study, settings)
+
+
+def _with_hint(study: OutlierStudy, settings: Settings) -> OutlierStudy:
+    """Say on both axes where another model is decisively better than their curves."""
+    if set(study.axes) != set(AXES):
+        return study
+    found = [study.axes[name] for name in AXES]
+    orders = tuple(axis.treatments[0].order for axis in found)
+    r, c = (
+        Axis(a.data, a.level, a.noise_source, a.prior, NAME, max(a.treatments[0].log_evidence))
+        for a in found
+    )
+    bics = [
+        criteria(a.fit(k), a.noise, len(a.data), a.factors.log_sd).bic
+        for a, k in zip((r, c), orders, strict=True)
+    ]
+    if None in bics:
+        return study
+    evidence = sum(a.treatments[0].log_evidence[k] for a, k in zip(found, orders, strict=True))
+    stated = Stated((orders[0], orders[1]), evidence, sum(b or 0.0 for b in bics))
+    hint = decisively_better(study.points, (r, c), stated, settings)
+    if hint is None:
+        return study
+    axes = {
+        name: replace(axis, findings=ordered((*axis.findings, another_model(hint))))
+        for name, axis in study.axes.items()
+    }
+    return replace(study, axes=axes)
 
 
 def _axis(
@@ -119,8 +154,20 @@ def _axis(
     slope = _slope(data, posterior, order) / points.camera_frame()[:, 2]
     shared = shared_errors(data, records, points.world, slope, scale * own)
     treatments = gaussian, without, *sampled
+    other = axis_data(points, "c" if data.axis == "r" else "r").x
+    depth = points.camera_frame()[:, 2]
+    tests = cheap_tests(axis, gaussian.order, other, depth, points.groups, shape=False)
     return AxisOutliers(
-        data, level, axis.rule, axis.source, order, records, elimination, treatments, shared
+        data,
+        level,
+        axis.rule,
+        axis.source,
+        order,
+        records,
+        elimination,
+        treatments,
+        shared,
+        ordered(concerning(tests)),
     )
 
 

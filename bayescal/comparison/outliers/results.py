@@ -10,6 +10,7 @@ from scipy.special import logsumexp
 
 from bayescal.comparison.defence.other_noise import ERRORS, MENTION
 from bayescal.comparison.evidence import strength
+from bayescal.comparison.findings.finding import Finding
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.outliers.records import Elimination, PointRecord
 from bayescal.comparison.outliers.shared_errors import SharedError
@@ -111,6 +112,8 @@ class AxisOutliers:
         Gaussian noise with all points and without those eliminated, Student-t, mixture.
     shared : tuple of SharedError
         Bad points that share world coordinates with others.
+    findings : tuple of Finding
+        What says that the model itself is not the right one, under Gaussian noise.
     """
 
     data: AxisData
@@ -122,6 +125,7 @@ class AxisOutliers:
     elimination: Elimination
     treatments: tuple[Treatment, ...]
     shared: tuple[SharedError, ...]
+    findings: tuple[Finding, ...] = ()
 
     @property
     def bad(self) -> tuple[PointRecord, ...]:
@@ -140,9 +144,14 @@ class AxisOutliers:
 
     @property
     def explanations(self) -> tuple[str, ...]:
-        """One sentence for each suspicious point, and for those that err together."""
+        """What says that the model is not the right one, then a sentence for suspicious points."""
+        first = [
+            f"look at the model first, as a curve that misses makes good points look bad: {f.text}"
+            for f in self.findings
+            if f.withholds
+        ]
         together = {label for s in self.shared if s.together for label in s.points}
-        lines = [self._together(s) for s in self.shared if s.together]
+        lines = first + [self._together(s) for s in self.shared if s.together]
         lines += [self._alone(p) for p in self.suspicious if p.label not in together]
         return tuple(lines)
 

@@ -7,14 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from bayescal.comparison.averaging import AveragedPrediction
 from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.comparison.sufficiency import Sufficiency
 from bayescal.noise.model import NoiseModel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import RATE, SHAPE, StudentT
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.document.defence import adequacy_rows, defence_document
 from bayescal.report.document.order import order_document
-from bayescal.report.document.shared import points_facts, provenance
+from bayescal.report.document.shared import by_order, points_facts, provenance
 from bayescal.report.numbers import point_chances
 
 SCHEMA = "bayescal.comparison/1"
@@ -93,7 +95,13 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
         "verdict": {
             "order": verdict.order,
             "plausible": list(verdict.plausible),
+            "outcome": verdict.outcome,
             "decided": verdict.decided,
+            "suffices": None if verdict.enough is None else sufficiency_document(verdict.enough),
+            "findings": [
+                {"kind": f.kind, "severity": f.severity.name.lower(), "text": f.text}
+                for f in verdict.findings
+            ],
             "log_bayes_factor_to_next": verdict.log_bayes_factor_to_next,
             "strength": verdict.strength,
             "aicc_order": verdict.aicc_order,
@@ -101,9 +109,35 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
             "caveats": list(verdict.caveats),
             "text": verdict.text,
         },
+        "averaged": None if axis.averaged is None else _averaged(axis.averaged),
         "defence": None if axis.defence is None else defence_document(axis.defence),
         "world_units": [asdict(u) for u in axis.world_units] or None,
         "adequacy": adequacy_rows(axis.adequacy) if axis.adequacy else None,
+    }
+
+
+def _averaged(found: AveragedPrediction) -> dict[str, Any]:
+    """Predictions under the one order and averaged over orders, at places of the domain."""
+    return {
+        "order": found.order,
+        "weights": by_order(found.weights),
+        "at": found.x.tolist(),
+        "chosen_px": found.chosen.tolist(),
+        "chosen_sd_px": found.chosen_sd.tolist(),
+        "mean_px": found.mean.tolist(),
+        "sd_px": found.sd.tolist(),
+        "between_px": found.between.tolist(),
+    }
+
+
+def sufficiency_document(enough: Sufficiency) -> dict[str, Any]:
+    """How far the plausible orders lie from the recommended one."""
+    return {
+        "enough": enough.enough,
+        "tolerance_px": enough.tolerance,
+        "tolerance_stated": enough.stated,
+        "largest_px": enough.largest,
+        "differences": [{"order": d.order, "largest_px": d.largest} for d in enough.differences],
     }
 
 

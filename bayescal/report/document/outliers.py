@@ -71,6 +71,10 @@ def _axis_document(axis: AxisOutliers) -> dict[str, Any]:
             }
             for p in axis.points
         ],
+        "findings": [
+            {"kind": f.kind, "severity": f.severity.name.lower(), "text": f.text}
+            for f in axis.findings
+        ],
         "explanations": list(axis.explanations),
         "shared": [
             {

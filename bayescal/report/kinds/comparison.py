@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -101,7 +100,7 @@ class ComparisonKind(RunKind[Comparison]):
             )
         orders = {name: tuple(o["order"] for o in axis["orders"]) for name, axis in axes.items()}
         found = analyse_points(run.points(), orders, settings, None, _Stored(run, settings.noise))
-        return dataclasses.replace(found, hint=run.document.get("families", {}).get("hint"))
+        return found.with_hint(run.document.get("families", {}).get("hint"))
 
 
 COMPARISON = ComparisonKind()

@@ -1,0 +1,33 @@
+"""What orders beyond the compared range say against its winner."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from bayescal.comparison.defence.stability import Beyond
+from bayescal.comparison.evidence import PLAUSIBLE
+from bayescal.comparison.findings.finding import Finding, overturns
+from bayescal.comparison.verdict import percent
+
+
+def beyond_range(found: Beyond) -> Iterator[Finding]:
+    """Find orders beyond the range that would win, or that can't be excluded."""
+    if not found.orders:
+        return
+    orders = ", ".join(str(k) for k in found.orders)
+    together = sum(found.probability[k] for k in found.orders)
+    if found.winner is not None:
+        yield overturns(
+            "edge",
+            f"order {found.winner}, beyond the compared range, would win "
+            f"({percent(found.probability[found.winner])} with orders {orders} compared too): "
+            "compare more orders",
+            f"order {found.winner}, which was not compared, would win",
+        )
+    elif together > 1 - PLAUSIBLE:
+        yield overturns(
+            "edge",
+            f"orders {orders}, beyond the compared range, would have {percent(together)} "
+            "together: compare more orders",
+            "higher orders, which were not compared, can't be excluded",
+        )
