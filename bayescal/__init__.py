@@ -34,6 +34,11 @@ _EXPORTS = {
     "thesis": "bayescal.points.bundled",
     "chessboard": "bayescal.points.bundled",
     "calibrate": "bayescal.api.calibrate",
+    "CalibratedCamera": "bayescal.prediction.calibrated",
+    "camera": "bayescal.api.camera",
+    "load_camera": "bayescal.prediction.saved",
+    "keep_camera": "bayescal.prediction.saved",
+    "predict": "bayescal.api.camera",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
     "compare_polynomials": "bayescal.api.polynomials",
@@ -58,6 +63,7 @@ _EXPORTS = {
 
 __all__ = [
     "BayescalError",
+    "CalibratedCamera",
     "Correspondences",
     "FittedCamera",
     "InputError",
@@ -65,6 +71,7 @@ __all__ = [
     "Views",
     "__version__",
     "calibrate",
+    "camera",
     "chessboard",
     "compare",
     "compare_families",
@@ -73,6 +80,7 @@ __all__ = [
     "fit_family",
     "fit_polynomial",
     "fitted_camera",
+    "keep_camera",
     "least_squares",
     "load",
     "load_camera",
@@ -82,6 +90,7 @@ __all__ = [
     "opencv_camera",
     "outliers",
     "plot",
+    "predict",
     "reproduce",
     "save",
     "save_camera",
@@ -96,6 +105,7 @@ __all__ = [
 if TYPE_CHECKING:
     from bayescal.api.axes import compare, fit
     from bayescal.api.calibrate import calibrate
+    from bayescal.api.camera import camera, predict
     from bayescal.api.families import compare_families, fit_family
     from bayescal.api.outliers import outliers
     from bayescal.api.polynomials import compare_polynomials, fit_polynomial, least_squares
@@ -108,6 +118,8 @@ if TYPE_CHECKING:
     from bayescal.points.view_writer import save_views
     from bayescal.points.views import Views
     from bayescal.points.writer import save
+    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.saved import keep_camera, load_camera
     from bayescal.report.cameras.camera import FittedCamera
     from bayescal.report.cameras.fitted import fitted_camera
     from bayescal.report.cameras.read import load_camera

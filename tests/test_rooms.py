@@ -18,7 +18,7 @@ ROOT = Path(bayescal.__file__).parent
 ROOMS = (
     *("version", "errors", "arrays", "rounding", "markup", "files"),
     *("points", "detection", "polynomials", "cameras", "prior", "noise"),
-    *("linear", "inference", "density", "calibration", "comparison", "simulation"),
+    *("linear", "inference", "density", "calibration", "comparison", "prediction", "simulation"),
     *("report", "reproduction", "api", "__init__", "commands", "cli", "__main__"),
 )
 FILES = sorted(ROOT.rglob("*.py"))

@@ -98,9 +98,7 @@ class FreePositionModel:
     def report(self, full: Array) -> Array:
         """Monomial coefficients (px), sigma (px), tau and position, ``(n_draws, n_names)``."""
         columns = []
-        for axis, (amplitudes, log_sigma, log_tau) in zip(
-            self.axes, self._parts(full), strict=True
-        ):
+        for axis, (amplitudes, log_sigma, log_tau) in zip(self.axes, self.parts(full), strict=True):
             columns.append(amplitudes @ axis.framed.monomials(axis.order).lead(axis.order).T)
             if axis.noise.value is None:
                 columns.append(np.exp(log_sigma)[:, None])
@@ -111,7 +109,7 @@ class FreePositionModel:
     def log_likelihood(self, full: Array) -> Array:
         """Log density of each point, r and c together, ``(n_draws, n_points)``."""
         position, total = self.position(full), np.zeros(1)
-        for axis, (amplitudes, log_sigma, _) in zip(self.axes, self._parts(full), strict=True):
+        for axis, (amplitudes, log_sigma, _) in zip(self.axes, self.parts(full), strict=True):
             total = total + axis.log_likelihood(position, amplitudes, log_sigma)
         return np.asarray(total)
 
@@ -121,14 +119,15 @@ class FreePositionModel:
         With the coefficients integrated out it varies far less among the draws than the
         likelihood: weights for a point left out are those of position, sigma and tau alone.
         """
-        position, parts = self.position(full), self._parts(full)
+        position, parts = self.position(full), self.parts(full)
         out = np.zeros((len(full), len(self.axes[0].world)))
         for part in self._in_chunks(np.arange(len(full))):
             for axis, (_, log_sigma, log_tau) in zip(self.axes, parts, strict=True):
                 out[part] += axis.log_left_out(position[part], log_sigma[part], log_tau[part])
         return out
 
-    def _parts(self, full: Array) -> list[tuple[Array, Array, Array]]:
+    def parts(self, full: Array) -> list[tuple[Array, Array, Array]]:
+        """Amplitudes, ln sigma and ln tau of r, and of c."""
         out, at = [], 3
         for axis in self.axes:
             p = axis.size

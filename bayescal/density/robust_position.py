@@ -123,7 +123,7 @@ class RobustFreePosition:
         out = np.full(len(theta), -np.inf)
         inside = theta[possible]
         total = self.prior.log_density(self.position(inside)) + np.log(self.prior.sd).sum()
-        for axis, (residuals, part) in zip(self.axes, self._located(inside), strict=True):
+        for axis, (residuals, part) in zip(self.axes, self.located(inside), strict=True):
             total = total + axis.log_density(residuals, part).sum(axis=1) + axis.log_prior(part)
         out[possible] = np.where(np.isnan(total), -np.inf, total)
         return out
@@ -200,22 +200,22 @@ class RobustFreePosition:
 
     def complete(self, theta: Array, rng: np.random.Generator) -> Array:
         """Append ln tau of each axis, drawn given its amplitudes, where it is inferred."""
-        r, c = (part for _, part in self._located(theta))
+        r, c = (part for _, part in self.located(theta))
         return completed(self.axes, theta, (r, c), rng)
 
     def report(self, full: Array) -> Array:
         """Monomial coefficients (px), sigma (px), tau, noise; position: ``(n_draws, n_names)``."""
-        located = zip(self.axes, self._located(full), strict=True)
+        located = zip(self.axes, self.located(full), strict=True)
         columns = [axis.report(part) for axis, (_, part) in located]
         return np.concatenate([*columns, self.position(full)], axis=1)
 
     def log_likelihood(self, full: Array) -> Array:
         """Log density of each point, r and c together, ``(n_draws, n_points)``."""
-        located = zip(self.axes, self._located(full), strict=True)
+        located = zip(self.axes, self.located(full), strict=True)
         r, c = (axis.log_density(residuals, part) for axis, (residuals, part) in located)
         return np.asarray(r + c)
 
-    def _located(self, full: Array) -> list[tuple[Array, Array]]:
+    def located(self, full: Array) -> list[tuple[Array, Array]]:
         """Residuals of each axis, ``(n_draws, n_points)``, px, and its own coordinates."""
         out = []
         apart = taken_apart(self.axes, full, 3)

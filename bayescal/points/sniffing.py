@@ -69,7 +69,9 @@ class TextTable:
         return replace(self, rows=tuple(rows))
 
 
-def parse_table(name: str, text: str, names: str = "x,y,z,r,c") -> TextTable:
+def parse_table(
+    name: str, text: str, names: str = "x,y,z,r,c", ragged: list[str] | None = None
+) -> TextTable:
     """Take a text apart: comments (#) and blank lines are left out.
 
     Parameters
@@ -79,6 +81,8 @@ def parse_table(name: str, text: str, names: str = "x,y,z,r,c") -> TextTable:
     text : str
     names : str
         What the columns should be called, likewise.
+    ragged : list of str, optional
+        Takes the complaints about rows of another number of fields, which are then left out.
 
     Raises
     ------
@@ -106,13 +110,19 @@ def parse_table(name: str, text: str, names: str = "x,y,z,r,c") -> TextTable:
         line = line if comment is None or not named else comment + 1
     rows = [Line(number, fields) for number, fields in records]
     header, rows = _even(header, rows)
+    whole = []
     for row in rows:
-        if len(row.fields) != len(header):
-            raise InputError(
-                f"{name}:{row.line}: has {len(row.fields)} fields where the header has "
-                f"{len(header)} ({quoted(','.join(header))}); add or remove fields"
-            )
-    return TextTable(name, header, tuple(rows), line, named, separator)
+        if len(row.fields) == len(header):
+            whole.append(row)
+            continue
+        complaint = (
+            f"{name}:{row.line}: has {len(row.fields)} fields where the header has "
+            f"{len(header)} ({quoted(','.join(header))}); add or remove fields"
+        )
+        if ragged is None:
+            raise InputError(complaint)
+        ragged.append(complaint)
+    return TextTable(name, header, tuple(whole), line, named, separator)
 
 
 def _separator(line: str) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.report.document.lenses import lenses_document
+from bayescal.report.run.camera import CAMERA, camera_bytes_of
 from bayescal.report.run.kind import Kind
 
 
@@ -18,7 +19,10 @@ class LensesKind(Kind[LensComparison]):
         return lenses_document(result, command)
 
     def fill(self, folder: Path, result: LensComparison) -> None:
-        """Write what belongs beside the document: nothing yet."""
+        """Write the camera beside the document."""
+        camera = camera_bytes_of(result)
+        if camera is not None:
+            (folder / CAMERA).write_bytes(camera)
 
 
 LENSES = LensesKind()

@@ -4,6 +4,7 @@
 ``run.json``          the format's number, who wrote it, the hash of every file below and above
 ``points.csv``        the points, every digit of them
 ``setup.toml``        what is known of the camera
+``camera.npz``        the calibrated camera (bayescal.prediction), where the result is of one
 ``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
 ``corner-*.png``      pictures, for people only
 """
@@ -21,16 +22,20 @@ from bayescal.files import RESULT, FolderKind
 from bayescal.inference.arviz_bridge import Draws, write_netcdf
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.writer import to_csv, to_toml
+from bayescal.report.run.camera import CAMERA
+from bayescal.report.run.camera import MANIFEST as MANIFEST
 from bayescal.version import __version__
 
 # Rises when an older version could no longer read what a newer one writes.
 FORMAT = 1
-MANIFEST, POINTS, SETUP = "run.json", "points.csv", "setup.toml"
+POINTS, SETUP = "points.csv", "setup.toml"
 DRAWS = "draws"
-RUN = FolderKind("run", RESULT, (MANIFEST, POINTS, SETUP, DRAWS, "corner-*.png"))
+RUN = FolderKind("run", RESULT, (MANIFEST, POINTS, SETUP, CAMERA, DRAWS, "corner-*.png"))
 
 
-def fill_run(folder: Path, points: Correspondences, draws: Mapping[str, Draws]) -> None:
+def fill_run(
+    folder: Path, points: Correspondences, draws: Mapping[str, Draws], camera: bytes | None
+) -> None:
     """Write beside the document what a run is reopened from.
 
     Parameters
@@ -40,7 +45,11 @@ def fill_run(folder: Path, points: Correspondences, draws: Mapping[str, Draws]) 
     points : Correspondences
     draws : mapping of str to Draws
         By the model's name.
+    camera : bytes or None
+        The camera's file, where there is a camera.
     """
+    if camera is not None:
+        (folder / CAMERA).write_bytes(camera)
     texts = {POINTS: to_csv(points), SETUP: to_toml(points.setup)}
     for name, text in texts.items():
         (folder / name).write_bytes(text.encode())

@@ -13,6 +13,7 @@ from bayescal.errors import InputError
 from bayescal.files import FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import Draws
 from bayescal.report.document.shared import dumps
+from bayescal.report.run.camera import camera_bytes_of
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import RUN, fill_run
 from bayescal.report.run.shape import disagreement
@@ -133,7 +134,7 @@ class RunKind(Kind[Result]):
             raise InputError(
                 f"a run holds world points and pixels; this {self.name} is of plain arrays"
             )
-        fill_run(folder, points, self.draws(result))
+        fill_run(folder, points, self.draws(result), camera_bytes_of(result))
         self.pictures(folder, result)
 
     def open(self, folder: Path, *, defend: bool | None = None) -> Result:

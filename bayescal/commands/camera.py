@@ -1,0 +1,127 @@
+"""What the commands that use a calibrated camera share: its options, bad rows, output."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bayescal.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from bayescal.points.partial import PartialTable
+    from bayescal.prediction.calibrated import CalibratedCamera
+
+
+def add_camera(parser: argparse.ArgumentParser) -> None:
+    """Add the camera, and which of its models."""
+    parser.add_argument(
+        "camera", metavar="RUN", help="a run that --out wrote, or a camera file (camera.npz)"
+    )
+    models = parser.add_argument_group("models")
+    models.add_argument(
+        "--average",
+        action=argparse.BooleanOptionalAction,
+        help="average over all plausible models (where the verdict is undecided)",
+    )
+    models.add_argument("--model", metavar="NAME", help="take this plausible model alone")
+
+
+def add_rows(parser: argparse.ArgumentParser) -> None:
+    """Add how the rows of a table are read, and where answers go."""
+    parser.add_argument(
+        "--columns", metavar="x=E,y=N,...", help="names or numbers of the table's columns"
+    )
+    parser.add_argument(
+        "--strict", action="store_true", help="refuse a table with a bad row (bad rows are named)"
+    )
+    output = parser.add_argument_group("output")
+    output.add_argument("--out", metavar="FILE|-", help="write all rows as CSV; - prints them")
+    output.add_argument("--json", metavar="FILE|-", help="write all rows as JSON; - prints them")
+    output.add_argument("--force", action="store_true", help="replace existing output")
+    output.add_argument("--quiet", action="store_true", help="print no table")
+
+
+def camera_of(options: argparse.Namespace) -> CalibratedCamera:
+    """Take the camera that the options name."""
+    from bayescal.api.camera import camera
+
+    if options.model is not None and options.average:
+        raise InputError("--model takes one model alone: leave out --average")
+    return camera(options.camera, average=options.average, model=options.model)
+
+
+def check_rows(options: argparse.Namespace, read: str | None) -> None:
+    """Refuse output that can't be written before anything is computed."""
+    from bayescal.files import check_free
+
+    if options.out == options.json == "-":
+        raise InputError("--out - and --json - would print into each other; name a file for one")
+    for given in (options.out, options.json):
+        if given in (None, "-"):
+            continue
+        path = Path(given)
+        check_free(path, force=options.force)
+        for source in (read, options.camera):
+            if source not in (None, "-") and path.resolve() == Path(source).resolve():
+                raise InputError(f"{path}: would replace what is read; choose another name")
+        if Path(options.camera).resolve() in path.resolve().parents:
+            raise InputError(f"{path}: lies in the run that is read; choose another place")
+
+
+def read_rows(
+    options: argparse.Namespace,
+    source: str,
+    required: tuple[str, ...],
+    optional: tuple[str, ...] = (),
+    also: dict[str, tuple[str, ...]] | None = None,
+) -> PartialTable:
+    """Read the table of a command; name its bad rows.
+
+    Raises
+    ------
+    InputError
+        Where it can't be read, or has a bad row and --strict is given.
+    """
+    from bayescal.points.columns import parse_stated
+    from bayescal.points.partial import read_partial
+    from bayescal.report.prediction import bad_rows
+
+    stated = None if options.columns is None else parse_stated(options.columns)
+    table = read_partial(source, required, optional, stated, also)
+    if table.problems and options.strict:
+        raise InputError(table.problems[0])
+    for line in bad_rows(table.problems):
+        print(f"bayescal: left out: {line}", file=sys.stderr)
+    return table
+
+
+def publish_rows(
+    options: argparse.Namespace,
+    columns: dict[str, Any],
+    document: Callable[[], str],
+    view: Callable[[], Any],
+) -> None:
+    """Write rows where they are wanted, or show them."""
+    from bayescal.files import write_whole
+    from bayescal.report.prediction import rows_text
+
+    texts: tuple[tuple[str | None, Callable[[], str]], ...] = (
+        (options.out, lambda: rows_text(columns)),
+        (options.json, document),
+    )
+    for given, make in texts:
+        if given is None:
+            continue
+        text = make()
+        if given == "-":
+            sys.stdout.write(text)
+        else:
+            write_whole(Path(given), text.encode(), force=options.force)
+    if not options.quiet and "-" not in (options.out, options.json):
+        from bayescal.report.render import render
+
+        sys.stdout.write(render(view(), terminal=sys.stdout.isatty()))

@@ -1,0 +1,53 @@
+"""``bayescal predict``: world points to pixels, with their uncertainty."""
+
+from __future__ import annotations
+
+import argparse
+
+from bayescal.commands.camera import add_camera, add_rows, camera_of, check_rows, publish_rows
+from bayescal.commands.camera import read_rows as read_table
+from bayescal.commands.output import DONE
+
+HELP = "where do these points appear in the image?"
+DESCRIPTION = (
+    "Predict pixels of world points by a calibrated camera: mean and sd of the mapping, sd of a "
+    "new measurement and its 95 % interval, from one model or averaged over all plausible ones. "
+    "Pixels are counted as in the points file of the calibration."
+)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    add_camera(parser)
+    parser.add_argument(
+        "points", metavar="POINTS", help="a table with columns x,y,z (world units); - reads it"
+    )
+    add_rows(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Read, predict, print and write; return the exit code."""
+    check_rows(options, options.points)
+    camera = camera_of(options)
+    table = read_table(options, options.points, ("x", "y", "z"))
+    from bayescal.prediction.predict import predict
+
+    found = predict(camera, table.columns("x", "y", "z"))
+    from bayescal.report import prediction as shown
+
+    columns = shown.prediction_rows(table, found)
+    publish_rows(
+        options,
+        columns,
+        lambda: shown.rows_document(
+            shown.SCHEMA,
+            camera,
+            columns,
+            options.command_line,
+            method=found.method,
+            probability=found.probability,
+            notes=list(found.notes),
+        ),
+        lambda: shown.prediction_view(camera, table, found),
+    )
+    return DONE

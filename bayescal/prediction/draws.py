@@ -1,0 +1,134 @@
+"""Draws of every kind of posterior, as what a camera keeps: amplitudes, poses, noise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.density.robust_linear import RobustLinearModel
+from bayescal.inference.posterior import Posterior
+from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.inference.weighting import WeightedDraws
+from bayescal.linear.closed_form import ExactPosterior
+from bayescal.noise.model import NoiseModel
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import StudentT
+from bayescal.prediction.members import Parameters
+from bayescal.prediction.noise import NewNoise
+
+KEPT = 1000  # draws of each model: sds to 2 %
+
+
+@dataclass(frozen=True, eq=False)
+class AxisDraws:
+    """One axis of a linear family.
+
+    Attributes
+    ----------
+    parameters : Parameters
+        Of the Legendre amplitudes, px.
+    log_sigma : Array
+        ``(n_draws,)``; of a scale where points have deviations of their own.
+    eta : Array
+        Coordinates of the noise model, ``(n_draws, dimension)``.
+    """
+
+    parameters: Parameters
+    log_sigma: Array
+    eta: Array
+
+
+def thinned(draws: Array) -> Array:
+    """Evenly spaced rows of draws, `KEPT` of them; all, again and again, where there are fewer."""
+    if len(draws) < KEPT:
+        return draws[np.arange(KEPT) % len(draws)]
+    return draws[np.linspace(0, len(draws) - 1, KEPT).round().astype(np.intp)]
+
+
+def completed(kept: SampledPosterior | WeightedDraws) -> Array:
+    """Completed draws of a sampled or weighted model, ``(n_draws, n_full)``."""
+    full = kept.full
+    return thinned(full.reshape(-1, full.shape[-1]))
+
+
+def of_posterior(posterior: Posterior | SampledPosterior) -> AxisDraws:
+    """Draws of one order of one axis."""
+    if isinstance(posterior, Posterior):
+        exact, model = posterior.exact, posterior.exact.model
+        theta = thinned(posterior.chain.theta.reshape(-1, model.dimension))
+        log_sigma = theta[:, model.size] if model.infers_sigma else np.full(KEPT, _known(exact))
+        return _of_exact(exact, theta[:, : model.size], log_sigma)
+    robust, full = posterior.model, completed(posterior)
+    assert isinstance(robust, RobustLinearModel), "what one axis is sampled as"
+    return of_robust(robust, full)
+
+
+def of_robust(model: RobustLinearModel, full: Array) -> AxisDraws:
+    """Draws of one axis under robust noise, from its completed draws."""
+    amplitudes = Parameters.of_draws(full[:, : model.size])
+    return AxisDraws(amplitudes, model.log_sigma(full), model.eta(full))
+
+
+def of_exact(exact: ExactPosterior, rng: np.random.Generator) -> AxisDraws:
+    """Draws of a closed form: a node of its quadrature by weight, then a normal."""
+    share = exact.weights.ravel()
+    nodes = rng.choice(share.size, size=KEPT, p=share / share.sum())
+    tau, sigma = np.divmod(nodes, exact.weights.shape[1])
+    level = exact.sigma[sigma]
+    conditional = exact.conditional
+    d, w = conditional.d[tau], conditional.w[tau]
+    total = conditional.precision * level[:, None] ** 2 + d**2
+    a = d * w / total + level[:, None] / np.sqrt(total) * rng.standard_normal(d.shape)
+    b = exact.model.prior.mean + np.einsum("npq,nq->np", conditional.to_b[tau], a)
+    return _of_exact(exact, b, np.log(level))
+
+
+def _of_exact(exact: ExactPosterior, amplitudes: Array, log_sigma: Array) -> AxisDraws:
+    parameters = Parameters(exact.mean, exact.root, amplitudes, True)
+    return AxisDraws(parameters, log_sigma, np.empty((len(log_sigma), 0)))
+
+
+def _known(exact: ExactPosterior) -> float:
+    value = exact.model.noise.value
+    assert value is not None, "sigma is inferred"
+    return math.log(value)
+
+
+def new_noise(
+    log_sigma: Array, eta: Array, model: NoiseModel, deviations: tuple[Array | None, Array | None]
+) -> NewNoise:
+    """Noise of a new measurement, whose own deviation is the median of those of the points.
+
+    Parameters
+    ----------
+    log_sigma : Array
+        ``(n_draws, 2)``.
+    eta : Array
+        ``(n_draws, 2, dimension)``.
+    model : NoiseModel
+    deviations : tuple of Array or None
+        The points' own deviations of r and of c, ``(n_points,)``, px.
+    """
+    usual = [0.0 if sd is None else math.log(float(np.median(sd))) for sd in deviations]
+    return NewNoise(
+        log_sigma + np.array(usual),
+        eta,
+        model.name,
+        model.nu if isinstance(model, StudentT) else None,
+        isinstance(model, OutlierMixture) and model.infers_offset,
+    )
+
+
+def joined(r: Parameters, c: Parameters) -> Parameters:
+    """Parameters of r and c, independent a posteriori, one after the other."""
+    root = np.zeros((len(r.mean) + len(c.mean),) * 2)
+    root[: len(r.mean), : len(r.mean)], root[len(r.mean) :, len(r.mean) :] = r.root, c.root
+    return Parameters(
+        np.concatenate([r.mean, c.mean]),
+        root,
+        np.concatenate([r.draws, c.draws], axis=1),
+        r.exact and c.exact,
+    )

@@ -1,0 +1,201 @@
+"""A camera as one small file: arrays as NumPy keeps them (npz), all else as JSON within.
+
+npz needs nothing but NumPy to be read, so that the first answer costs little more than importing
+it (HDF5 and its wrappers take longer to import than to read); it is a zip archive that any
+language opens, and it is read without pickle: a file from elsewhere can't run anything.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.errors import InputError
+from bayescal.files import write_whole
+from bayescal.points.content import read_file
+from bayescal.polynomials.basis import Domain
+from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.members import LensMember, Member, Parameters, PolynomialMember
+from bayescal.prediction.noise import NewNoise
+from bayescal.version import __version__
+
+SCHEMA = "bayescal-camera-1"
+HEAD = "camera"
+LARGEST = 64_000_000  # bytes
+
+
+def keep_camera(camera: CalibratedCamera, path: str | Path, *, force: bool = False) -> None:
+    """Write a calibrated camera to one file, which `load_camera` reads.
+
+    Parameters
+    ----------
+    camera : CalibratedCamera
+    path : str or Path
+        Such as ``camera.npz``.
+    force : bool, optional
+        Replace an existing file.
+
+    Raises
+    ------
+    OutputError
+        Where it can't be written.
+    """
+    write_whole(Path(path), camera_bytes(camera), force=force)
+
+
+def load_camera(path: str | Path) -> CalibratedCamera:
+    """Read a calibrated camera that `keep_camera`, or a run, wrote.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    CalibratedCamera
+
+    Raises
+    ------
+    InputError
+        Where it is no such file, or is damaged.
+    """
+    return camera_from(read_file(path, "a camera file", LARGEST).raw, str(path))
+
+
+def camera_bytes(camera: CalibratedCamera) -> bytes:
+    """Encode a camera; the same camera gives the same bytes."""
+    arrays: dict[str, Array] = {"pixel_hull": camera.pixel_hull}
+    head = {
+        "schema": SCHEMA,
+        "bayescal": __version__,
+        "probabilities": camera.probabilities,
+        "covered": camera.covered,
+        "averaged": camera.averaged,
+        "size": camera.size,
+        "c_from_bottom": camera.c_from_bottom,
+        "distance": camera.distance,
+        "source": camera.source,
+        "notes": camera.notes,
+        "members": [_packed(m, f"{i}.", arrays) for i, m in enumerate(camera.members)],
+    }
+    text = np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)
+    stream = io.BytesIO()
+    kept: dict[str, Any] = {HEAD: text, **arrays}
+    np.savez(stream, **kept)
+    return stream.getvalue()
+
+
+def camera_from(raw: bytes, name: str) -> CalibratedCamera:
+    """Decode a camera; `name` is the file's, for messages.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        with np.load(io.BytesIO(raw), allow_pickle=False) as kept:
+            arrays = {key: kept[key] for key in kept.files}
+        head = json.loads(arrays[HEAD].tobytes())
+        schema = head["schema"]
+        if schema == SCHEMA:
+            return _camera(head, arrays)
+    except (ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile) as error:
+        raise InputError(
+            f"{name}: is no camera file, or is damaged ({' '.join(str(error).split())}); "
+            "write it again"
+        ) from None
+    raise InputError(
+        f"{name}: is a camera of schema {schema!r}, written by bayescal {head.get('bayescal')}; "
+        f"bayescal {__version__} reads {SCHEMA!r}; write it again"
+    )
+
+
+def _packed(member: Member, at: str, arrays: dict[str, Array]) -> dict[str, Any]:
+    """Put a member's arrays beside the others; give what is no array."""
+    kept, noise = member.parameters, member.noise
+    arrays.update(
+        {
+            f"{at}mean": kept.mean,
+            f"{at}root": kept.root,
+            f"{at}draws": kept.draws,
+            f"{at}log_sigma": noise.log_sigma,
+            f"{at}eta": noise.eta,
+        }
+    )
+    values: dict[str, Any] = {
+        "name": member.name,
+        "exact": kept.exact,
+        "noise": {"name": noise.name, "nu": noise.nu, "bad_offset": noise.bad_offset},
+    }
+    if isinstance(member, PolynomialMember):
+        arrays[f"{at}hull"] = member.hull
+        return values | {
+            "orders": member.orders,
+            "domains": [[d.lower, d.upper] for d in member.domains],
+            "bivariate": member.bivariate,
+            "position": None if member.position is None else member.position.tolist(),
+            "side": member.side,
+        }
+    assert isinstance(member, LensMember), "the other kind of member"
+    arrays[f"{at}hull"] = member.hull
+    return values | {
+        "lens": member.lens_name,
+        "options": member.lens_options,
+        "turn": None if member.turn is None else member.turn.tolist(),
+        "anchor": None if member.anchor is None else member.anchor.tolist(),
+    }
+
+
+def _camera(head: dict[str, Any], arrays: dict[str, Array]) -> CalibratedCamera:
+    return CalibratedCamera(
+        tuple(_member(m, f"{i}.", arrays) for i, m in enumerate(head["members"])),
+        tuple(head["probabilities"]),
+        head["covered"],
+        head["averaged"],
+        None if head["size"] is None else (head["size"][0], head["size"][1]),
+        head["c_from_bottom"],
+        arrays["pixel_hull"],
+        head["distance"],
+        head["source"],
+        tuple(head["notes"]),
+    )
+
+
+def _member(values: dict[str, Any], at: str, arrays: dict[str, Array]) -> Member:
+    parameters = Parameters(
+        arrays[f"{at}mean"], arrays[f"{at}root"], arrays[f"{at}draws"], values["exact"]
+    )
+    noise = NewNoise(arrays[f"{at}log_sigma"], arrays[f"{at}eta"], **values["noise"])
+    if "lens" in values:
+        return LensMember(
+            values["name"],
+            values["lens"],
+            values["options"],
+            _array(values["turn"]),
+            _array(values["anchor"]),
+            arrays[f"{at}hull"],
+            parameters,
+            noise,
+        )
+    first, second = (Domain(*ends) for ends in values["domains"])
+    return PolynomialMember(
+        values["name"],
+        (values["orders"][0], values["orders"][1]),
+        (first, second),
+        values["bivariate"],
+        arrays[f"{at}hull"],
+        _array(values["position"]),
+        values["side"],
+        parameters,
+        noise,
+    )
+
+
+def _array(values: Any) -> Array | None:
+    return None if values is None else np.array(values)

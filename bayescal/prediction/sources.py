@@ -1,0 +1,267 @@
+"""A calibrated camera of a result: the plausible models' draws, without the points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.cameras.pose import rotation_vectors
+from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.density.free_position import FreePositionModel
+from bayescal.density.pinhole import PinholeModel
+from bayescal.density.robust_pair import RobustPair
+from bayescal.density.robust_position import RobustFreePosition
+from bayescal.errors import InputError
+from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.noise.model import NoiseModel
+from bayescal.points.correspondences import Correspondences
+from bayescal.points.setup import AXES
+from bayescal.polynomials import bivariate, separable
+from bayescal.polynomials.basis import Domain
+from bayescal.prediction.calibrated import CalibratedCamera, normalised
+from bayescal.prediction.draws import (
+    AxisDraws,
+    completed,
+    joined,
+    new_noise,
+    of_exact,
+    of_posterior,
+    of_robust,
+)
+from bayescal.prediction.hull import hull_of
+from bayescal.prediction.members import LensMember, Member, Parameters, PolynomialMember
+
+MOST = 12  # models kept of a pair of undecided axes
+
+
+def camera_of(result: Any) -> CalibratedCamera:
+    """Make the camera of a comparison of orders, of families, or of lens models.
+
+    Raises
+    ------
+    InputError
+        Where the result is of no camera: of arrays, or of one axis alone.
+    """
+    if isinstance(result, Comparison):
+        return _of_orders(result)
+    if isinstance(result, FamilyComparison):
+        return _of_families(result)
+    if type(result).__name__ == "LensComparison":  # families do not pay for many views
+        from bayescal.prediction.lenses import lens_camera
+
+        return lens_camera(result)
+    raise InputError(f"a {type(result).__name__} holds no calibrated camera")
+
+
+def _of_orders(result: Comparison) -> CalibratedCamera:
+    points = result.points
+    if points is None:
+        raise InputError("a polynomial of arrays is no camera: it has no points of the world")
+    if set(result.axes) != set(AXES):
+        missing = "c" if "r" in result.axes else "r"
+        raise InputError(
+            f"the comparison is of one axis alone; a camera needs {missing} too: leave out --axis"
+        )
+    axes = tuple(result.axes[name] for name in AXES)
+    shares = [_shares(axis) for axis in axes]
+    draws = [
+        {k: of_posterior(axis[k].posterior) for k in share}
+        for axis, share in zip(axes, shares, strict=True)
+    ]
+    pairs = sorted(
+        ((p * q, k, m) for k, p in shares[0].items() for m, q in shares[1].items()),
+        key=lambda pair: (-pair[0], pair[1:]),
+    )[:MOST]
+    deviations = (axes[0].data.sd, axes[1].data.sd)
+    members = [
+        _polynomial(
+            f"separable ({k}, {m})",
+            points,
+            (k, m),
+            False,
+            (draws[0][k], draws[1][m]),
+            axes[0].noise_model,
+            deviations,
+        )
+        for _, k, m in pairs
+    ]
+    decided = all(axis.verdict.decided or axis.verdict.order is None for axis in axes)
+    weights = [pair[0] for pair in pairs]
+    return _camera(points, members, weights, sum(weights), not decided, result.notes)
+
+
+def _shares(axis: AxisComparison) -> dict[int, float]:
+    """Probability of each plausible order; of a flat prior, the chosen one alone."""
+    if axis.verdict.order is None:
+        return {axis.chosen.order: 1.0}
+    return {k: axis[k].probability or 0.0 for k in axis.verdict.plausible}
+
+
+def _of_families(result: FamilyComparison) -> CalibratedCamera:
+    chances = {m.name: p for m, p in zip(result.models, result.probabilities, strict=True)}
+    plausible = [m for m in result.models if m.name in result.verdict.plausible]
+    members = [_member(result, model) for model in plausible]
+    kept = [(m, chances[j.name]) for m, j in zip(members, plausible, strict=True) if m is not None]
+    if not kept:
+        raise InputError("none of the plausible models has draws to predict with")
+    left = [str(j.name) for m, j in zip(members, plausible, strict=True) if m is None]
+    notes = (f"without draws, left out: {'; '.join(left)}",) if left else ()
+    weights = [p for _, p in kept]
+    averaged = not result.verdict.decided
+    models = [m for m, _ in kept]
+    return _camera(result.points, models, weights, sum(weights), averaged, (*result.notes, *notes))
+
+
+def _camera(
+    points: Correspondences,
+    members: Sequence[Member],
+    weights: Sequence[float],
+    covered: float,
+    averaged: bool,
+    notes: tuple[str, ...],
+) -> CalibratedCamera:
+    setup = points.setup
+    size = None
+    if setup.width is not None and setup.height is not None:
+        size = (setup.width, setup.height)
+    away = points.camera_frame()
+    return CalibratedCamera(
+        tuple(members),
+        normalised(weights),
+        covered,
+        averaged and len(members) > 1,
+        size,
+        setup.c_from_bottom,
+        hull_of(points.pixels),
+        float(np.median(np.linalg.norm(away, axis=1))),
+        points.source,
+        notes,
+    )
+
+
+def _member(result: FamilyComparison, found: JointModel) -> Member | None:
+    """Make a member of a joint model; None where neither closed form nor draws were kept."""
+    points, name, key = result.points, str(found.name), found.name
+    if found.exact:
+        rng = key.rng(result.settings.seed, 1_000_000)
+        r, c = (of_exact(exact, rng) for exact in found.exact)
+        deviations = _deviations(result, points)
+        return _polynomial(
+            name, points, _pair(key.orders), key.family == bivariate.NAME, (r, c), GAUSSIAN,
+            deviations,
+        )  # fmt: skip
+    kept = found.posterior or found.weighted
+    if kept is None:
+        return None
+    full, model = completed(kept), kept.model
+    if isinstance(model, PinholeModel):
+        return _pinhole(name, points, model, full)
+    two = key.family == bivariate.NAME
+    orders = _pair(key.orders)
+    if isinstance(model, RobustPair):
+        r, c = (of_robust(a, part) for a, part in zip(model.axes, model.apart(full), strict=True))
+        shape, sds = model.axes[0].noise, (model.axes[0].sd, model.axes[1].sd)
+        return _polynomial(name, points, orders, two, (r, c), shape, sds)
+    if isinstance(model, RobustFreePosition):
+        parts = [part for _, part in model.located(full)]
+        r, c = (of_robust(a, part) for a, part in zip(model.axes, parts, strict=True))
+        shape, sds = model.axes[0].noise, (model.axes[0].sd, model.axes[1].sd)
+        return _polynomial(name, points, orders, two, (r, c), shape, sds, model.position(full))
+    assert isinstance(model, FreePositionModel), "the last kind of joint model"
+    none = np.empty((len(full), 0))
+    r, c = (AxisDraws(Parameters.of_draws(b), level, none) for b, level, _ in model.parts(full))
+    sds = (model.axes[0].data.sd, model.axes[1].data.sd)
+    return _polynomial(name, points, orders, two, (r, c), GAUSSIAN, sds, model.position(full))
+
+
+def _pair(orders: tuple[int, ...]) -> tuple[int, int]:
+    return orders[0], orders[-1]
+
+
+def _deviations(
+    result: FamilyComparison, points: Correspondences
+) -> tuple[Array | None, Array | None]:
+    """Deviations of their own that the points of a linear family have."""
+    from bayescal.comparison.families.models import linear_axes
+
+    r, c = linear_axes(points, separable.NAME, result.settings, max(result.request.orders))
+    return r.data.sd, c.data.sd
+
+
+def _polynomial(
+    name: str,
+    points: Correspondences,
+    orders: tuple[int, int],
+    two: bool,
+    axes: tuple[AxisDraws, AxisDraws],
+    noise: NoiseModel,
+    deviations: tuple[Array | None, Array | None],
+    positions: Array | None = None,
+) -> PolynomialMember:
+    """Put both axes of a linear family together, with the camera position where it is inferred."""
+    stated = points.camera_frame()
+    ratios = stated[:, :2] / stated[:, 2:]
+    first, second = (Domain.of(ratios[:, i]) for i in (0, 1))
+    position: Array | None = np.array(points.setup.position)
+    parameters = joined(axes[0].parameters, axes[1].parameters)
+    if positions is not None:
+        parameters = Parameters.of_draws(np.concatenate([parameters.draws, positions], axis=1))
+        moved = points.world - positions.mean(axis=0)
+        ratios, position = moved[:, :2] / moved[:, 2:], None
+    scaled = np.column_stack([d.scale(ratios[:, i]) for i, d in enumerate((first, second))])
+    level = np.column_stack([axis.log_sigma for axis in axes])
+    eta = np.stack([axis.eta for axis in axes], axis=1)
+    return PolynomialMember(
+        name,
+        orders,
+        (first, second),
+        two,
+        hull_of(scaled),
+        position,
+        float(np.sign(np.median(stated[:, 2]))),
+        parameters,
+        new_noise(level, eta, noise, deviations),
+    )
+
+
+def _pinhole(name: str, points: Correspondences, model: PinholeModel, full: Array) -> LensMember:
+    """Take a pinhole's lens and pose from its draws."""
+    geometry, theta = model.geometry, model.coordinates(full)
+    matrices = geometry.rotation(theta)
+    u, _, vt = np.linalg.svd(matrices.mean(axis=0))
+    turn = u @ vt
+    draws = np.concatenate(
+        [
+            theta[:, :4],
+            geometry.coefficients(theta),
+            rotation_vectors(matrices @ turn.T),
+            theta[:, 7:9],
+            -theta[:, 9:10],
+        ],
+        axis=1,
+    )
+    level = np.column_stack([log_sigma for log_sigma, _ in model.levels(full)])
+    eta = np.stack([eta for _, eta in model.levels(full)], axis=1)
+    options = {
+        "order": geometry.order,
+        "tangential": False,
+        "step": 2 if geometry.radial == "even" else 1,
+    }
+    member = LensMember(
+        name,
+        "radial",
+        options,
+        turn,
+        np.array(geometry.centroid),
+        np.empty((0, 2)),
+        Parameters.of_draws(draws),
+        new_noise(level, eta, model.noise, model.data.sd),
+    )
+    # Of the predicted pixels: measured ones at the edge may lie inside by their noise.
+    pixels, _ = member.project(member.parameters.mean[None], points.world)
+    return replace(member, hull=hull_of(pixels[0]))
