@@ -35,7 +35,7 @@ def lens_camera(found: LensComparison) -> CalibratedCamera:
         (width, height),
         False,
         hull_of(views.pixels),
-        found.range * found.setting.data.diagonal,
+        found.range,
         views.source,
         found.notes,
     )

@@ -93,7 +93,7 @@ def test_what_is_no_camera_is_refused(tmp_path):
     np.savez(place, camera=np.array([{"pickled": 1}], dtype=object))
     with pytest.raises(InputError, match="is no camera file"):
         bc.load_camera(place)
-    with pytest.raises(InputError, match="not what was written"):
+    with pytest.raises(InputError, match="is no camera file"):
         bc.camera(tmp_path)
     place.unlink()
     with pytest.raises(InputError, match="not a run"):
