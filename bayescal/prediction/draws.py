@@ -10,7 +10,6 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.posterior import Posterior
-from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.inference.weighting import WeightedDraws
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.noise.model import NoiseModel
@@ -48,16 +47,17 @@ def thinned(draws: Array) -> Array:
     return draws[np.linspace(0, len(draws) - 1, KEPT).round().astype(np.intp)]
 
 
-def completed(kept: SampledPosterior | WeightedDraws) -> Array:
+def completed(kept: Posterior | WeightedDraws) -> Array:
     """Completed draws of a sampled or weighted model, ``(n_draws, n_full)``."""
     full = kept.full
     return thinned(full.reshape(-1, full.shape[-1]))
 
 
-def of_posterior(posterior: Posterior | SampledPosterior) -> AxisDraws:
+def of_posterior(posterior: Posterior) -> AxisDraws:
     """Draws of one order of one axis."""
-    if isinstance(posterior, Posterior):
-        exact, model = posterior.exact, posterior.exact.model
+    exact = posterior.exact
+    if exact is not None:
+        model = exact.model
         theta = thinned(posterior.chain.theta.reshape(-1, model.dimension))
         log_sigma = theta[:, model.size] if model.infers_sigma else np.full(KEPT, _known(exact))
         return _of_exact(exact, theta[:, : model.size], log_sigma)

@@ -103,13 +103,13 @@ def _shares(axis: AxisComparison) -> dict[int, float]:
 
 
 def _of_families(result: FamilyComparison) -> CalibratedCamera:
-    chances = {m.name: p for m, p in zip(result.models, result.probabilities, strict=True)}
-    plausible = [m for m in result.models if m.name in result.verdict.plausible]
+    chances = {m.key: p for m, p in zip(result.models, result.probabilities, strict=True)}
+    plausible = [m for m in result.models if m.key in result.verdict.plausible]
     members = [_member(result, model) for model in plausible]
-    kept = [(m, chances[j.name]) for m, j in zip(members, plausible, strict=True) if m is not None]
+    kept = [(m, chances[j.key]) for m, j in zip(members, plausible, strict=True) if m is not None]
     if not kept:
         raise InputError("none of the plausible models has draws to predict with")
-    left = [str(j.name) for m, j in zip(members, plausible, strict=True) if m is None]
+    left = [str(j.key) for m, j in zip(members, plausible, strict=True) if m is None]
     notes = (f"without draws, left out: {'; '.join(left)}",) if left else ()
     weights = [p for _, p in kept]
     averaged = not result.verdict.decided
@@ -146,7 +146,7 @@ def _camera(
 
 def _member(result: FamilyComparison, found: JointModel) -> Member | None:
     """Make a member of a joint model; None where neither closed form nor draws were kept."""
-    points, name, key = result.points, str(found.name), found.name
+    points, name, key = result.points, str(found.key), found.key
     if found.exact:
         rng = key.rng(result.settings.seed, 1_000_000)
         r, c = (of_exact(exact, rng) for exact in found.exact)
