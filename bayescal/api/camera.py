@@ -40,7 +40,7 @@ def camera(
     if isinstance(source, CalibratedCamera):
         found = source
     elif isinstance(source, str | Path):
-        from bayescal.report.run.camera import camera_at
+        from bayescal.report.camera import camera_at
 
         found = camera_at(source)
     else:
