@@ -36,7 +36,6 @@ _EXPORTS = {
     "calibrate": "bayescal.api.calibrate",
     "CalibratedCamera": "bayescal.prediction.calibrated",
     "camera": "bayescal.api.camera",
-    "load_camera": "bayescal.prediction.saved",
     "keep_camera": "bayescal.prediction.saved",
     "predict": "bayescal.api.camera",
     "compare": "bayescal.api.axes",
@@ -119,7 +118,7 @@ if TYPE_CHECKING:
     from bayescal.points.views import Views
     from bayescal.points.writer import save
     from bayescal.prediction.calibrated import CalibratedCamera
-    from bayescal.prediction.saved import keep_camera, load_camera
+    from bayescal.prediction.saved import keep_camera
     from bayescal.report.cameras.camera import FittedCamera
     from bayescal.report.cameras.fitted import fitted_camera
     from bayescal.report.cameras.read import load_camera

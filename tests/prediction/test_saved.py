@@ -10,7 +10,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.errors import InputError
-from bayescal.prediction.saved import camera_bytes
+from bayescal.prediction.saved import camera_bytes, load_camera
 from tests.helpers.cameras import turned_points
 from tests.helpers.command import apart
 
@@ -20,7 +20,7 @@ POINTS = np.array([[300.0, 60.0, 250.0], [310.0, 80.0, 300.0]])
 def test_a_saved_camera_predicts_the_same(thesis_comparison, tmp_path):
     camera = bc.camera(thesis_comparison)
     bc.keep_camera(camera, tmp_path / "camera.npz")
-    again = bc.load_camera(tmp_path / "camera.npz")
+    again = load_camera(tmp_path / "camera.npz")
     for average in (True, False):
         one, two = (bc.predict(c, POINTS, average=average) for c in (camera, again))
         np.testing.assert_array_equal(one.mean, two.mean)
@@ -32,7 +32,7 @@ def test_a_saved_camera_predicts_the_same(thesis_comparison, tmp_path):
 def test_a_saved_pinhole_projects_the_same(tmp_path):
     camera = bc.camera(bc.fit_family(turned_points(0.3), "pinhole", (1,), ess=100))
     bc.keep_camera(camera, tmp_path / "camera.npz")
-    again = bc.load_camera(tmp_path / "camera.npz")
+    again = load_camera(tmp_path / "camera.npz")
     world = turned_points(0.0).world
     np.testing.assert_array_equal(bc.predict(again, world).mean, bc.predict(camera, world).mean)
 
@@ -83,16 +83,16 @@ def test_a_spoilt_camera_is_refused(thesis_comparison, tmp_path):
 def test_what_is_no_camera_is_refused(tmp_path):
     place = tmp_path / "camera.npz"
     with pytest.raises(InputError, match="no such file"):
-        bc.load_camera(place)
+        load_camera(place)
     place.write_text("x,y,z\n")
     with pytest.raises(InputError, match="is no camera file"):
-        bc.load_camera(place)
+        load_camera(place)
     np.savez(place, pixel_hull=np.zeros(2))
     with pytest.raises(InputError, match="is no camera file"):
-        bc.load_camera(place)
+        load_camera(place)
     np.savez(place, camera=np.array([{"pickled": 1}], dtype=object))
     with pytest.raises(InputError, match="is no camera file"):
-        bc.load_camera(place)
+        load_camera(place)
     with pytest.raises(InputError, match="is no camera file"):
         bc.camera(tmp_path)
     place.unlink()
@@ -110,4 +110,4 @@ def test_a_later_schema_is_named(thesis_comparison, tmp_path):
     np.savez(place, **arrays)
     assert zipfile.is_zipfile(place)
     with pytest.raises(InputError, match="schema 'bayescal-camera-9'"):
-        bc.load_camera(place)
+        load_camera(place)
