@@ -21,7 +21,7 @@ MOST = 4  # lenses kept of the plausible ones: each is drawn anew
 def lens_camera(found: LensComparison) -> CalibratedCamera:
     """Make the camera of a comparison of lens models."""
     plausible = [j for j in found.lenses if j.key in found.verdict.plausible][:MOST]
-    children = np.random.default_rng([found.seed, 2]).spawn(len(plausible))
+    children = np.random.default_rng([found.request.seed, 2]).spawn(len(plausible))
     members = tuple(
         _member(found, judged, rng) for judged, rng in zip(plausible, children, strict=True)
     )
