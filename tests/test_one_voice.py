@@ -83,6 +83,7 @@ def test_the_page_says_it_all(document, tmp_path):
     page = tmp_path / "report.html"
     assert main(["report", document["run"], "--out", str(page)]) == 0
     shown = plain(page.read_text(encoding="utf-8"))
+    assert "decided at 95%" not in shown
     headlines = [re.split(r"; not decided|: ", text)[0] for text in said(document)]
     assert [text for text in headlines if plain(text) not in shown] == []
 

@@ -77,6 +77,25 @@ class AxisVerdict:
         return "suffices" if self.enough is not None and self.enough.enough else "undecided"
 
     @property
+    def standing(self) -> str:
+        """How the recommended order stands, in a few words: what the headline says, shorter."""
+        if self.order is None:
+            return "a flat prior has no evidence"
+        chance = f"{percent(self.chances[0])} probable"
+        if self.log_bayes_factor_to_next is None:
+            return "; ".join(("the only one compared", *self.withheld[:1]))
+        if self.withheld:
+            return f"{chance} among those compared; not decided: {self.withheld[0]}"
+        if self.decided:
+            return f"{chance}; decided at 95%"
+        others = ", ".join(str(k) for k in self.plausible[1:])
+        noun = "orders" if len(self.plausible) > 2 else "order"
+        if self.outcome == "suffices" and self.enough is not None:
+            within = f"{significant(self.enough.largest)} {self.enough.unit}".strip()
+            return f"{chance}; suffices: {noun} {others} within {within}"
+        return f"{chance}; {noun} {others} not excluded"
+
+    @property
     def caveats(self) -> tuple[str, ...]:
         """The findings' sentences, the gravest first."""
         return tuple(f.text for f in self.findings)

@@ -144,6 +144,10 @@ def test_orders_that_differ_by_less_than_the_tolerance_do_not_matter(largest, ou
     found = replace(even_verdict(), enough=enough)
     assert found.outcome == outcome
     assert words in found.text
+    standing = (
+        "suffices: order 2 within 0.10 px" if outcome == "suffices" else "order 2 not excluded"
+    )
+    assert found.standing == f"62% probable; {standing}"
     assert f"{largest:.2f} px" in found.text
     assert "tolerance of 0.25 px (as stated)" in found.text
 
@@ -162,6 +166,8 @@ def test_what_overturns_withholds_the_word_decided(make):
     assert found.text.startswith("Order 2 is the best of those compared, >99.9%; not decided: the ")
     assert "decided at 95%" not in found.text
     assert found.text.endswith("More.")
+    assert found.standing == ">99.9% probable among those compared; not decided: the model misses"
+    assert sure.standing == ">99.9% probable; decided at 95%"
 
 
 def test_findings_are_ordered_by_severity_and_said_once():

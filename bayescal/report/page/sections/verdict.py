@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.verdict import percent
 from bayescal.report.page.blocks import Answer, Answers, Block, Listing, Prose, Section
 from bayescal.report.page.subject import PageSubject
 from bayescal.report.terminal import caveats
@@ -28,16 +27,8 @@ def section(subject: PageSubject) -> Section:
 def _answer(axis: AxisComparison) -> Answer:
     verdict, name = axis.verdict, f"{axis.data.axis}, in {axis.data.regressor}"
     if verdict.order is None:
-        return Answer(name, "no order", "a flat prior has no evidence")
-    chance = percent(axis.chosen.probability or 0.0)
-    found = f"order {verdict.order}"
-    if len(axis.orders) == 1:
-        return Answer(name, found, "the only one compared")
-    others = [str(k) for k in verdict.plausible if k != verdict.order]
-    if not others:
-        return Answer(name, found, f"{chance} probable; decided at 95%")
-    noun = "order" if len(others) == 1 else "orders"
-    return Answer(name, found, f"{chance} probable; {noun} {', '.join(others)} not excluded")
+        return Answer(name, "no order", verdict.standing)
+    return Answer(name, f"order {verdict.order}", verdict.standing)
 
 
 def _words(axis: AxisComparison) -> tuple[Block, ...]:
