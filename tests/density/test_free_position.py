@@ -9,13 +9,8 @@ from scipy.optimize import minimize
 from scipy.stats import multivariate_normal, norm
 
 import bayescal as bc
-from bayescal.comparison.families.models import (
-    Axis,
-    free_model,
-    joint_data,
-    linear_axes,
-    moving_axes,
-)
+from bayescal.comparison.axis import Axis
+from bayescal.comparison.families.models import free_model, joint_data, linear_axes, moving_axes
 from bayescal.comparison.settings import Settings
 from bayescal.density.position_search import best_position, climb, linearised, position_mode
 from bayescal.inference.adaptation import effective_fraction
@@ -36,7 +31,11 @@ from tests.helpers.problems import field_rule
 
 def axes(family):
     made = [family.axis_data(bc.thesis(), a) for a in "rc"]
-    return tuple(Axis(d, NoiseLevel.inferred(), field_rule(d), "inferred") for d in made)
+    return tuple(axis_of(d, NoiseLevel.inferred()) for d in made)
+
+
+def axis_of(data, level):
+    return Axis(data, level, "", field_rule(data), "", highest=4)
 
 
 def exact_evidence(pair, orders):
@@ -206,7 +205,7 @@ def test_density_of_a_point_given_the_others_is_that_of_their_joint_normal(point
     """With the coefficients integrated out all pixels are jointly normal given the draw."""
     made = [separable.axis_data(points, a) for a in "rc"]
     levels = [NoiseLevel.inferred() if d.sd is None else NoiseLevel.known(1.0) for d in made]
-    pair = tuple(Axis(d, v, field_rule(d), "") for d, v in zip(made, levels, strict=True))
+    pair = tuple(axis_of(d, v) for d, v in zip(made, levels, strict=True))
     model, _ = free_model(points, pair, (4, 1))
     rng = np.random.default_rng(0)
     full = model.complete(rng.normal(0, 0.01, (3, 3)), rng)
@@ -254,7 +253,7 @@ def test_as_many_coefficients_as_points_lose_a_point():
         lines=None,
     )  # fmt: skip
     made = [separable.axis_data(few, a) for a in "rc"]
-    pair = tuple(Axis(d, NoiseLevel.known(2.0), field_rule(d), "") for d in made)
+    pair = tuple(axis_of(d, NoiseLevel.known(2.0)) for d in made)
     (axis, _), place = moving_axes(few, pair, (4, 4)), np.array([[330.0, 57.0, 0.0]])
     assert (len(few), axis.size) == (5, 5)
     rest = axis.without(2)
