@@ -59,7 +59,8 @@ def test_density_is_the_plain_sum_over_the_points(family):
     expected = stats.norm.logpdf(model.position(theta), model.prior.mean, model.prior.sd)
     expected = (expected + np.log(model.prior.sd)).sum(axis=1)
     at = 3
-    for axis, moving, ridge in zip(model.axes, model.moving, model.ridges, strict=True):
+    parts = zip(model.axes, model.moving, model.ridges, (1920, 1080), strict=True)
+    for axis, moving, ridge, size in parts:
         p, own = axis.size, theta[:, at : at + axis.dimension]
         at += axis.dimension
         for i, place in enumerate(model.position(theta)):
@@ -73,8 +74,9 @@ def test_density_is_the_plain_sum_over_the_points(family):
             expected[i] += stats.t.logpdf(axis.t - design @ b, nu, scale=sigma).sum()
             expected[i] += stats.norm.logpdf(own[i, p]) + np.log(axis.level.mass)
             expected[i] += stats.gamma.logpdf(nu, 2, scale=10) + np.log(nu)
-            # tau by a dense midpoint rule in its logarithm.
-            log_tau = np.log(1e-3) + (np.arange(4000) + 0.5) / 4000 * np.log(500)
+            # tau, from a hundredth of a pixel to half the image, by a dense midpoint rule.
+            low, high = np.log(0.01 / size), np.log(0.5)
+            log_tau = low + (np.arange(4000) + 0.5) / 4000 * (high - low)
             sd = np.where(axis.prior.scaled, np.exp(log_tau)[:, None], 1.0) * axis.prior.sd
             prior = stats.norm.logpdf(b, axis.prior.mean, sd).sum(axis=1)
             expected[i] += np.log(np.mean(np.exp(prior - prior.max()))) + prior.max()
