@@ -146,52 +146,60 @@ class Problem:
         """Smallest sum of squares over poses near by, ``(n_draws,)``."""
         weighted = self.shared.apply(misfit)
         total = np.einsum("svna,svna->s", misfit, weighted)
-        v = self.data.n_views
         slope = np.einsum("svna,vnap->svp", weighted, self.stack.by_pose, optimize=True)
-        flat = slope.reshape(len(misfit), 6 * v)
         if self.root is not None:
-            met = np.einsum("svna,vnai->svni", weighted, self.stack.by_target, optimize=True)
-            pulled = np.zeros((len(misfit), len(self.data.target), 3))
-            for view in range(v):
-                seen = self.data.seen[view]
-                pulled[:, self.data.which[view, seen]] += met[:, view, seen]
-            offset = pulled.reshape(len(misfit), -1) @ self.root  # L' G' R^-1 e
+            offset = self._pulled(weighted) @ self.root  # L' G' R^-1 e
             solved = cho_solve(self._offset_factor, offset.T).T
             total = total - (offset * solved).sum(axis=1)
-            flat = flat - solved @ self._coupling.T
-        whitened = solve_triangular(self._pose_root, flat.T, lower=True)
-        return np.asarray(total - (whitened**2).sum(axis=0))
+            slope = slope - np.einsum("vpq,sq->svp", self._coupling, solved, optimize=True)
+        whitened = np.einsum("vij,svj->svi", self._pose_whiteners, slope, optimize=True)
+        total = total - np.einsum("svi,svi->s", whitened, whitened)
+        if self.root is not None:
+            # H is its blocks less the coupling's low rank: the rest of H^-1 by Woodbury.
+            rest = np.einsum("svi,viq->sq", whitened, self._white_coupling, optimize=True)
+            total = total - (rest * cho_solve(self._coupled_factor, rest.T).T).sum(axis=1)
+        return np.asarray(total)
+
+    def _pulled(self, weighted: Array) -> Array:
+        """G' R^-1 e: what pulls at the target's points, ``(n_draws, 3 n_target)``."""
+        met = np.einsum("svna,vnai->svni", weighted, self.stack.by_target, optimize=True)
+        pulled = np.zeros((len(weighted), len(self.data.target), 3))
+        for view in range(self.data.n_views):
+            seen = self.data.seen[view]
+            pulled[:, self.data.which[view, seen]] += met[:, view, seen]
+        return pulled.reshape(len(weighted), -1)
 
     @cached_property
     def _coupling(self) -> Array:
-        """P' R^-1 G L, ``(6 n_views, q)``."""
+        """P' R^-1 G L, ``(n_views, 6, q)``."""
         assert self.root is not None
-        return (self.views.pose_offset @ self.root).reshape(-1, self.root.shape[1])
+        return np.asarray(self.views.pose_offset @ self.root)
+
+    @cached_property
+    def _pose_whiteners(self) -> Array:
+        """Inverse roots of the poses' blocks, ``(n_views, 6, 6)``."""
+        return np.linalg.inv(np.linalg.cholesky(self.views.pose_precision))
+
+    @cached_property
+    def _white_coupling(self) -> Array:
+        return np.asarray(self._pose_whiteners @ self._coupling)
+
+    @cached_property
+    def _coupled_factor(self) -> tuple[Array, bool]:
+        """Factor of I + L' F L, poses eliminated."""
+        assert self.root is not None
+        inner = np.eye(self.root.shape[1]) + self.root.T @ self.views.inner @ self.root
+        lower, _ = cho_factor(inner, lower=True)
+        return np.asarray(lower), True
 
     @cached_property
     def _offset_factor(self) -> tuple[Array, bool]:
         """Factor of I + L' G' R^-1 G L, poses not eliminated."""
         assert self.root is not None
+        flat = self._white_coupling.reshape(-1, self.root.shape[1])
         inner = np.eye(self.root.shape[1]) + self.root.T @ self.views.inner @ self.root
-        lifted = np.einsum(
-            "vpi,vpj->ij",
-            self.views.pose_offset @ self.root,
-            np.linalg.solve(self.views.pose_precision, self.views.pose_offset @ self.root),
-            optimize=True,
-        )
-        factor: tuple[Array, bool] = cho_factor(inner + lifted, lower=True)
-        return factor
-
-    @cached_property
-    def _pose_root(self) -> Array:
-        """Root of the precision of all poses together, ``(6 n_views, 6 n_views)``."""
-        v = self.data.n_views
-        blocks = np.zeros((v, 6, v, 6))
-        blocks[np.arange(v), :, np.arange(v)] = self.views.pose_precision
-        whole: Array = blocks.reshape(6 * v, 6 * v)
-        if self.root is not None:
-            whole = whole - self._coupling @ cho_solve(self._offset_factor, self._coupling.T)
-        return np.asarray(np.linalg.cholesky(whole))
+        lower, _ = cho_factor(inner + flat.T @ flat, lower=True)
+        return np.asarray(lower), True
 
     def _log_det_change(self, x: Array) -> Array:
         """Change of the log determinant of the poses' precisions from the reference."""

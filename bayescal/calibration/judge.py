@@ -23,6 +23,7 @@ from bayescal.inference.estimate import EvidenceEstimate
 
 FIRST_NODE: Node = (3, 3, 3, 3)
 NEARLY = 1.0  # nat: nodes looked at before residuals are linearised about the best
+KEPT_VIEWS = 24  # normal equations held at a time: some MB each
 COARSE = 6  # nodes of each strength while error models are compared
 
 
@@ -141,7 +142,7 @@ class _Comparer:
     def __init__(self, reference: Problem, setting: Setting) -> None:
         self.reference, self.setting = reference, setting
         self.prior = strengths(reference.model, COARSE)
-        self.views = lru_cache(maxsize=None)(self._views)
+        self.views = lru_cache(maxsize=KEPT_VIEWS)(self._views)
 
     def _views(self, correlated: int, length: int) -> tuple[Shared, Views]:
         shared = self.setting.geometry.shared(self.setting.grid.error((correlated, length, 0, 0)))
