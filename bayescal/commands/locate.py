@@ -1,0 +1,98 @@
+"""``bayescal locate``: pixels to the world, with their uncertainty."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING
+
+from bayescal.commands.camera import add_camera, add_rows, camera_of, check_rows, publish_rows
+from bayescal.commands.camera import read_rows as read_table
+from bayescal.commands.output import DONE
+from bayescal.errors import InputError
+
+if TYPE_CHECKING:
+    from bayescal.prediction.locate import Surface
+
+HELP = "what do these pixels look at?"
+DESCRIPTION = (
+    "Locate what measured pixels look at by a calibrated camera: directions, or points of the "
+    "world at a known depth z or on a known plane, and distances of pairs with their expanded "
+    "uncertainty. Of a lens without a pose the frame is the camera's."
+)
+PAIR = ("r1", "c1", "r2", "c2")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    add_camera(parser)
+    parser.add_argument(
+        "pixels",
+        metavar="PIXELS",
+        help="a table with columns r,c (px, as recorded), or r1,c1,r2,c2 of --pairs; - reads it",
+    )
+    where = parser.add_argument_group("where the points lie")
+    where.add_argument("--depth", type=float, metavar="Z", help="at this z, world units")
+    where.add_argument("--depth-sd", type=float, metavar="S", help="its standard deviation (0)")
+    where.add_argument(
+        "--plane",
+        type=float,
+        nargs=4,
+        metavar=("A", "B", "C", "D"),
+        help="on the plane A x + B y + C z = D",
+    )
+    where.add_argument("--pairs", action="store_true", help="distances of pairs of pixels")
+    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
+    add_rows(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Read, locate, print and write; return the exit code."""
+    surface = _surface(options)
+    check_rows(options, options.pixels)
+    if options.seed < 0:
+        raise InputError(f"seed must be 0 or more, not {options.seed}")
+    camera = camera_of(options)
+    from bayescal.report import location as shown
+    from bayescal.report.prediction import rows_document
+
+    if options.pairs:
+        if surface is None:
+            raise InputError("--pairs needs --depth or --plane: a pixel alone is a direction")
+        table = read_table(options, options.pixels, PAIR)
+        from bayescal.prediction.pairs import distances
+
+        ends = table.columns("r1", "c1"), table.columns("r2", "c2")
+        apart = distances(camera, *ends, surface, seed=options.seed)
+        columns = shown.pair_rows(table, apart)
+        schema, facts = shown.PAIRS_SCHEMA, {"probability": apart.probability}
+        view = lambda: shown.pair_view(camera, table, apart, surface)  # noqa: E731
+    else:
+        table = read_table(options, options.pixels, ("r", "c"))
+        from bayescal.prediction.locate import locate
+
+        found = locate(camera, table.columns("r", "c"), surface=surface, seed=options.seed)
+        columns = shown.location_rows(table, found)
+        schema, facts = shown.SCHEMA, {"probability": found.probability}
+        view = lambda: shown.location_view(camera, table, found)  # noqa: E731
+    command = options.command_line
+    publish_rows(
+        options, columns, lambda: rows_document(schema, camera, columns, command, **facts), view
+    )
+    return DONE
+
+
+def _surface(options: argparse.Namespace) -> Surface | None:
+    """Where the points lie, as the options say."""
+    from bayescal.prediction.locate import Surface
+
+    if options.depth is not None and options.plane is not None:
+        raise InputError("--depth and --plane both say where the points lie: keep one")
+    sd = options.depth_sd or 0.0
+    if options.depth is not None:
+        return Surface((0.0, 0.0, 1.0), options.depth, sd)
+    if options.depth_sd is not None:
+        raise InputError("--depth-sd belongs to --depth")
+    if options.plane is not None:
+        a, b, c, d = options.plane
+        return Surface((a, b, c), d)
+    return None

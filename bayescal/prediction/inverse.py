@@ -1,0 +1,235 @@
+r"""What a pixel looks at: the inverse of a member's mapping, at its mean and at every draw.
+
+A polynomial has an inverse where it is monotone. Inside the calibrated box the derivative's roots
+part each axis's polynomial into monotone pieces, so that every solution is found and counted; of
+polynomials of both ratios solutions are looked for from a grid of starts. Draws follow the mean's
+solution by Newton's method. A solution counts where the mapping gives the pixel back to 1e-9 px.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from bayescal.arrays import Array, IntArray
+from bayescal.polynomials.basis import legendre_design
+from bayescal.polynomials.plane import powers
+from bayescal.prediction.hull import within
+from bayescal.prediction.members import BoolArray, LensMember, Member, PolynomialMember
+
+RESIDUAL = 1e-9  # px
+NEWTON, HALVINGS = 40, 80
+STARTS = 9  # along each ratio, of polynomials of both
+MARGIN = 0.05  # of the domain, beyond its ends
+SAME = 1e-6  # of the domain: solutions closer than this are one
+
+
+@dataclass(frozen=True, eq=False)
+class Rays:
+    """Lines of sight.
+
+    Attributes
+    ----------
+    origin : Array
+        Of each draw, ``(m, 3)``.
+    direction : Array
+        Unit vectors away from the camera, ``(m, n, 3)``.
+    found : ndarray of bool
+        ``(m, n)``.
+    """
+
+    origin: Array
+    direction: Array
+    found: BoolArray
+
+
+@dataclass(frozen=True, eq=False)
+class Solutions:
+    """Where the mean of a member solves pixels.
+
+    Attributes
+    ----------
+    scaled : Array or None
+        Scaled regressors of a polynomial's solution, ``(n, 2)``; None of a lens.
+    count : Array
+        Number of solutions inside the calibrated domain or a little beyond, ``(n,)``.
+    inside : ndarray of bool
+        Whether the first of them is inside, ``(n,)``.
+    """
+
+    scaled: Array | None
+    count: IntArray
+    inside: BoolArray
+
+
+def solutions(member: Member, pixels: Array) -> Solutions:
+    """Solve pixels ``(n, 2)`` by a member's mean."""
+    if isinstance(member, LensMember):
+        found = rays(member, member.parameters.mean[None], pixels[None], None).found[0]
+        return Solutions(None, found.astype(np.intp), within(member.hull, pixels))
+    assert isinstance(member, PolynomialMember), "the other kind of member"
+    return _plane_solutions(member, pixels) if member.bivariate else _line_solutions(member, pixels)
+
+
+def rays(member: Member, theta: Array, pixels: Array, start: Array | None) -> Rays:
+    """Lines of sight of pixels at parameters.
+
+    Parameters
+    ----------
+    member : Member
+    theta : Array
+        ``(m, d)``.
+    pixels : Array
+        As the member counts them, ``(m, n, 2)`` or ``(1, n, 2)``, px.
+    start : Array or None
+        The mean's solution, of a polynomial, ``(n, 2)``.
+    """
+    if isinstance(member, LensMember):
+        return _lens_rays(member, theta, pixels)
+    assert isinstance(member, PolynomialMember), "the other kind of member"
+    assert start is not None, "draws follow the mean's solution"
+    shape = (len(theta), pixels.shape[1], 2)
+    scaled, found = _newton(
+        member, theta, np.broadcast_to(pixels, shape), np.broadcast_to(start, shape)
+    )
+    ratios = [d.middle + d.half_range * scaled[..., i] for i, d in enumerate(member.domains)]
+    ahead = np.stack([*ratios, np.ones_like(ratios[0])], axis=-1) * member.side
+    unit = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
+    return Rays(np.array(member.positions(theta)), unit, found)
+
+
+def _lens_rays(member: LensMember, theta: Array, pixels: Array) -> Rays:
+    intrinsics, k = member.intrinsics(theta)
+    plane = (pixels - intrinsics[:, None, 2:]) / intrinsics[:, None, :2]
+    undistorted = member.lens.undistort(plane, k)
+    unit = np.where(undistorted.found[..., None], undistorted.rays, 0.0)
+    unit[..., 2] = np.where(undistorted.found, unit[..., 2], 1.0)
+    origin = np.zeros((len(theta), 3))
+    if member.posed:
+        matrix, t = member.pose(theta)
+        unit = unit @ matrix
+        origin = -np.einsum("mji,mj->mi", matrix, t)
+    return Rays(origin, unit, undistorted.found)
+
+
+def _line_solutions(member: PolynomialMember, pixels: Array) -> Solutions:
+    """Solve each axis on its own, on every monotone piece of its box."""
+    out, count = np.zeros((len(pixels), 2)), np.ones(len(pixels), dtype=np.intp)
+    low, high = _searched(member)
+    for axis, b in enumerate(member.amplitudes(member.parameters.mean[None])):
+        at, n = _on_pieces(b[0], float(low[axis]), float(high[axis]), pixels[:, axis])
+        out[:, axis] = at
+        count *= n
+    return Solutions(out, count, member.in_domain(out))
+
+
+def _on_pieces(b: Array, low: float, high: float, t: Array) -> tuple[Array, IntArray]:
+    """Solve a Legendre series for values ``(n,)``: one solution of each, and how many there are."""
+    turns = legendre.legroots(legendre.legder(b)) if len(b) > 2 else np.empty(0)
+    real = turns.real[np.abs(turns.imag) < 1e-9 * (1 + np.abs(turns.real))]
+    ends = np.array([low, *np.sort(real[(real > low) & (real < high)]), high])
+    found, count = np.zeros(len(t)), np.zeros(len(t), dtype=np.intp)
+    for a, z in pairwise(ends):
+        at_a, at_z = legendre.legval(a, b), legendre.legval(z, b)
+        inside = (t >= min(at_a, at_z)) & (t <= max(at_a, at_z))
+        left, right = np.full(inside.sum(), a), np.full(inside.sum(), z)
+        rising = at_z > at_a
+        for _ in range(HALVINGS):
+            middle = (left + right) / 2
+            below = (legendre.legval(middle, b) < t[inside]) == rising
+            left, right = np.where(below, middle, left), np.where(below, right, middle)
+        found[inside] = (left + right) / 2
+        count += inside
+    return found, count
+
+
+def _plane_solutions(member: PolynomialMember, pixels: Array) -> Solutions:
+    """Look for solutions of polynomials of both ratios from a grid of starts."""
+    low, high = _searched(member)
+    grid = np.stack(
+        np.meshgrid(*(np.linspace(a, z, STARTS) for a, z in zip(low, high, strict=True))), axis=-1
+    ).reshape(-1, 2)
+    best, count = np.zeros((len(pixels), 2)), np.zeros(len(pixels), dtype=np.intp)
+    theta = np.repeat(member.parameters.mean[None], len(grid), axis=0)
+    for i, pixel in enumerate(pixels):
+        shape = (len(grid), 1, 2)
+        at, found = _newton(member, theta, np.broadcast_to(pixel, shape), grid[:, None, :])
+        near = ((at[:, 0] >= low) & (at[:, 0] <= high)).all(axis=1)
+        inside = at[:, 0][found[:, 0] & near]
+        kept: list[Array] = []
+        for one in inside:
+            if all(np.abs(one - other).max() > SAME for other in kept):
+                kept.append(one)
+        count[i] = len(kept)
+        if kept:
+            best[i] = kept[0]
+    return Solutions(best, count, member.in_domain(best))
+
+
+def _searched(member: PolynomialMember) -> tuple[Array, Array]:
+    """Box to look for solutions in: noise puts half the pixels at its edge beyond it."""
+    low, high = member.box
+    margin = MARGIN * (high - low)
+    return low - margin, high + margin
+
+
+def _newton(
+    member: PolynomialMember, theta: Array, pixels: Array, start: Array
+) -> tuple[Array, BoolArray]:
+    """Solve for scaled regressors ``(m, n, 2)`` by Newton's method; whether each was found."""
+    at = np.array(start, dtype=np.float64)
+    for _ in range(NEWTON):
+        value, slope = _with_slopes(member, theta, at)
+        miss = value - pixels
+        det = slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            first = (slope[..., 1, 1] * miss[..., 0] - slope[..., 0, 1] * miss[..., 1]) / det
+            second = (slope[..., 0, 0] * miss[..., 1] - slope[..., 1, 0] * miss[..., 0]) / det
+        step = np.clip(np.nan_to_num(np.stack([first, second], axis=-1)), -0.5, 0.5)
+        at = at - step
+        if np.abs(step).max(initial=0.0) < 1e-14:
+            break
+    miss = np.abs(member.at_scaled(theta, at) - pixels).max(axis=-1)
+    # The same branch: the mapping turns there as it does where the search began.
+    _, before = _with_slopes(member, theta, np.asarray(start))
+    _, after = _with_slopes(member, theta, at)
+    return at, (miss < RESIDUAL) & (np.sign(_det(before)) == np.sign(_det(after)))
+
+
+def _det(slope: Array) -> Array:
+    return np.asarray(slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0])
+
+
+def _with_slopes(member: PolynomialMember, theta: Array, scaled: Array) -> tuple[Array, Array]:
+    """Pixels ``(m, n, 2)`` and their derivatives by the scaled regressors, ``(m, n, 2, 2)``."""
+    value, slope = np.empty(scaled.shape), np.zeros((*scaled.shape, 2))
+    for axis, b in enumerate(member.amplitudes(theta)):
+        k = member.orders[axis]
+        own = legendre_design(scaled[..., axis], k)
+        turn = _derivative(k)
+        if not member.bivariate:
+            value[..., axis] = np.einsum("mnp,mp->mn", own, b)
+            slope[..., axis, axis] = np.einsum("mnp,mp->mn", own @ turn, b)
+            continue
+        other = legendre_design(scaled[..., 1 - axis], k)
+        i, j = np.array(powers(k)).T
+        value[..., axis] = np.einsum("mnp,mp->mn", own[..., i] * other[..., j], b)
+        by_own, by_other = (
+            (own @ turn)[..., i] * other[..., j],
+            own[..., i] * (other @ turn)[..., j],
+        )
+        slope[..., axis, axis] = np.einsum("mnp,mp->mn", by_own, b)
+        slope[..., axis, 1 - axis] = np.einsum("mnp,mp->mn", by_other, b)
+    return value, slope
+
+
+def _derivative(order: int) -> Array:
+    """Matrix that takes P_0 ... P_k to their derivatives, from the right, ``(k + 1, k + 1)``."""
+    out = np.zeros((order + 1, order + 1))
+    for k in range(1, order + 1):
+        slopes = legendre.legder(np.eye(order + 1)[k])
+        out[: len(slopes), k] = slopes
+    return out

@@ -1,0 +1,140 @@
+"""Distances between what two pixels look at, with expanded uncertainty and its budget.
+
+U = k u with k such that the interval d +- U holds 95 % of the Monte Carlo draws (JCGM 100:2008,
+6.2; JCGM 101:2008, 7.7): no number of degrees of freedom is assumed. The errors of the lens and of
+the surface are shared by both ends, and largely cancel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array, ArrayLike
+from bayescal.errors import InputError
+from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.inverse import solutions
+from bayescal.prediction.locate import (
+    BLOCK,
+    PROBABILITY,
+    SOURCES,
+    Surface,
+    budget,
+    monte_carlo,
+    summaries,
+    weighted_quantile,
+)
+from bayescal.prediction.members import BoolArray
+from bayescal.prediction.predict import checked
+
+
+@dataclass(frozen=True, eq=False)
+class Distances:
+    """Distances of pairs; nan where an end has no solution, or several.
+
+    Attributes
+    ----------
+    values : Array
+        Means, ``(n,)``, world units.
+    u : Array
+        Standard uncertainty by Monte Carlo, ``(n,)``.
+    linear_u : Array
+        By linear propagation, ``(n,)``.
+    expanded : Array
+        U, ``(n,)``.
+    parts : dict of str to Array
+        Of `linear_u`: noise, coefficients, models, depth, ``(n,)`` each.
+    probability : float
+        Coverage probability of U.
+    """
+
+    values: Array
+    u: Array
+    linear_u: Array
+    expanded: Array
+    parts: dict[str, Array]
+    probability: float = PROBABILITY
+
+    @property
+    def found(self) -> BoolArray:
+        """Which pairs have a distance, ``(n,)``."""
+        return np.isfinite(self.values)
+
+    @property
+    def k(self) -> Array:
+        """Coverage factor U / u, ``(n,)``."""
+        return self.expanded / self.u
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+
+def distances(
+    camera: CalibratedCamera,
+    first: ArrayLike,
+    second: ArrayLike,
+    surface: Surface | None,
+    *,
+    average: bool | None = None,
+    seed: int = 0,
+) -> Distances:
+    """Measure distances on a surface between pairs of pixels.
+
+    Parameters
+    ----------
+    camera : CalibratedCamera
+    first, second : array_like
+        Measured r, c of both ends as recorded, ``(n, 2)``, px.
+    surface : Surface
+        Where the points lie.
+    average : bool, optional
+        As in `bayescal.camera`.
+    seed : int, optional
+
+    Raises
+    ------
+    InputError
+        Where there is no surface, or pixels have another shape.
+    """
+    if surface is None:
+        raise InputError("distances need a depth or a plane: a pixel alone is a direction")
+    ends = [checked(first, 2, "first"), checked(second, 2, "second")]
+    if len(ends[0]) != len(ends[1]):
+        raise InputError(f"pairs need both ends: {len(ends[0])} and {len(ends[1])} are given")
+    camera = camera.average(average)
+    own = [camera.recorded(end) for end in ends]
+    step = max(1, BLOCK // (2 * len(camera.chosen.parameters.draws)))
+    starts = range(0, max(len(own[0]), 1), step)
+    rows = [
+        _block(camera, np.concatenate([end[i : i + step] for end in own]), surface, (seed, i))
+        for i in starts
+    ]
+    values, u, linear, expanded, *parts = (np.concatenate(c) for c in zip(*rows, strict=True))
+    return Distances(values, u, linear, expanded, dict(zip(SOURCES, parts, strict=True)))
+
+
+def _block(
+    camera: CalibratedCamera, pixels: Array, surface: Surface, seed: tuple[int, int]
+) -> list[Array]:
+    """Distances of pixels whose first half are the one ends: value, u, linear u, U, parts."""
+    weights = np.array(camera.used[1])
+    drawn, share = monte_carlo(camera, pixels, surface, seed, _lengths)
+    mean, sd, _, _ = summaries(drawn, weights)
+    flat = np.abs(drawn.reshape(-1, *drawn.shape[2:]) - mean)
+    each = np.repeat(weights / drawn.shape[1], drawn.shape[1])[:, None, None]
+    known = np.where(np.isfinite(flat), each, 0.0)
+    known = known / np.maximum(known.sum(axis=0), 1e-300)
+    expanded = weighted_quantile(np.nan_to_num(flat), known, PROBABILITY)
+    parts, linear = budget(camera, pixels, surface, _lengths)
+    count = solutions(camera.chosen, pixels).count.reshape(2, -1)
+    usable = (count == 1).all(axis=0) & (share > 0.5) & np.isfinite(linear[:, 0])
+    rows = [mean, sd, linear, expanded, *(parts[name] for name in SOURCES)]
+    return [np.where(usable, row[:, 0], np.nan) for row in rows]
+
+
+def _lengths(points: Array) -> Array:
+    """Distances between the halves of points ``(m, 2 q, 3)``, ``(m, q, 1)``."""
+    half = points.shape[1] // 2
+    apart = points[:, :half] - points[:, half:]
+    return np.asarray(np.sqrt((apart**2).sum(axis=2, keepdims=True)))
