@@ -9,10 +9,11 @@ from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 from rich.console import Console
+from rich.text import Text
 
 import bayescal as bc
-from bayescal.report.render import WIDTH
-from bayescal.report.terminal import comparison_view
+from bayescal.report.terminal import WIDTH, render
+from bayescal.report.views.comparison import brief
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -45,7 +46,8 @@ def _report(page: Page, place: Path) -> None:
 def _terminal(page: Page) -> None:
     """Picture what compare prints of r."""
     console = Console(record=True, width=WIDTH, file=io.StringIO(), force_terminal=True)
-    console.print(comparison_view(bc.compare(bc.thesis(), axis="r")))
+    shown = render(brief(bc.compare(bc.thesis(), axis="r")), terminal=True)
+    console.print(Text.from_ansi(shown))
     svg = console.export_svg(title="bayescal compare --axis r")
     page.set_content(f"<body style='margin:0'>{svg}</body>")
     page.locator("svg").screenshot(path=IMAGES / "terminal.png")

@@ -82,7 +82,6 @@ def run(options: argparse.Namespace) -> int:
     _check_cameras(options)
     from bayescal.api.calibrate import calibrate
     from bayescal.report.kinds.lenses import LENSES
-    from bayescal.report.lenses import lenses_view
 
     found = views(options)
     with shared.Progress(options, STEPS, "judging", "lens") as progress:
@@ -97,7 +96,7 @@ def run(options: argparse.Namespace) -> int:
             ess=options.ess,
             progress=progress.named,
         )
-    publish(options, result, lenses_view, LENSES)
+    publish(options, result, kind=LENSES)
     if options.report is not None:
         from bayescal.report.page.lenses import save_lens_report
 

@@ -88,7 +88,7 @@ def read_rows(
     """
     from bayescal.points.columns import parse_stated
     from bayescal.points.partial import read_partial
-    from bayescal.report.prediction import bad_rows
+    from bayescal.report.views.prediction import bad_rows
 
     stated = None if options.columns is None else parse_stated(options.columns)
     table = read_partial(source, required, optional, stated, also)
@@ -107,7 +107,7 @@ def publish_rows(
 ) -> None:
     """Write rows where they are wanted, or show them."""
     from bayescal.files import write_whole
-    from bayescal.report.prediction import rows_text
+    from bayescal.report.views.prediction import rows_text
 
     texts: tuple[tuple[str | None, Callable[[], str]], ...] = (
         (options.out, lambda: rows_text(columns)),
@@ -122,6 +122,6 @@ def publish_rows(
         else:
             write_whole(Path(given), text.encode(), force=options.force)
     if not options.quiet and "-" not in (options.out, options.json):
-        from bayescal.report.render import render
+        from bayescal.report.terminal import render
 
         sys.stdout.write(render(view(), terminal=sys.stdout.isatty()))

@@ -41,7 +41,6 @@ def run(options: argparse.Namespace) -> int:
     if asked is not None:
         return _across_families(options, asked)
     from bayescal.api.axes import compare
-    from bayescal.report.terminal import comparison_view
 
     check_output(options)
     points = shared.points(options)
@@ -54,13 +53,12 @@ def run(options: argparse.Namespace) -> int:
             progress=progress,
             **shared.settings(options),
         )
-    return deliver(options, result, comparison_view)
+    return deliver(options, result)
 
 
 def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     """Compare families of models of r and c together."""
     from bayescal.api.families import compare_families
-    from bayescal.report.families import families_view
 
     if options.axis in ("r", "c") or options.defend:
         option = "--defend" if options.defend else f"--axis {options.axis}"
@@ -70,4 +68,4 @@ def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     with shared.Progress(options, 2 * len(asked["families"])) as progress:
         result = compare_families(points, progress=progress, **asked, **given)
-    return deliver(options, result, families_view)
+    return deliver(options, result)

@@ -43,7 +43,6 @@ def run(options: argparse.Namespace) -> int:
     if options.order_r is None and options.order_c is None:
         raise InputError("fit: give --order-r, --order-c or both")
     from bayescal.api.axes import fit
-    from bayescal.report.terminal import fit_view
 
     check_output(options)
     points = shared.points(options)
@@ -55,13 +54,12 @@ def run(options: argparse.Namespace) -> int:
             progress=progress,
             **shared.settings(options),
         )
-    return deliver(options, result, fit_view)
+    return deliver(options, result, full=True)
 
 
 def _joint(options: argparse.Namespace) -> int:
     """Fit one model of r and c together."""
     from bayescal.api.families import fit_family
-    from bayescal.report.families import joint_fit_view
 
     family = options.family or "separable"
     if family == "separable":
@@ -93,7 +91,7 @@ def _joint(options: argparse.Namespace) -> int:
         radial=options.radial or "even",
         **shared.settings(options),
     )
-    code = deliver(options, result, joint_fit_view)
+    code = deliver(options, result, full=True)
     if options.opencv is not None:
         from bayescal.report.opencv import save_opencv
 

@@ -52,8 +52,8 @@ def run(options: argparse.Namespace) -> int:
     if options.seed < 0:
         raise InputError(f"seed must be 0 or more, not {options.seed}")
     camera = camera_of(options)
-    from bayescal.report import location as shown
-    from bayescal.report.prediction import rows_document
+    from bayescal.report.views import location as shown
+    from bayescal.report.views.prediction import rows_document
 
     if options.pairs:
         if surface is None:

@@ -46,6 +46,4 @@ def run(options: argparse.Namespace) -> int:
             progress=progress.named,
             **shared.settings(options),
         )
-    from bayescal.report.outliers import outliers_view
-
-    return deliver(options, study, lambda found: outliers_view(found, everything=options.all))
+    return deliver(options, study, full=options.all)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,7 +117,8 @@ def check_output(options: argparse.Namespace, folder: FolderKind | None = None) 
 def publish(
     options: argparse.Namespace,
     result: Any,
-    view: Callable[[Any], Any],
+    *,
+    full: bool = False,
     kind: Kind[Any] | None = None,
 ) -> None:
     """Write and print whatever was asked for of a result.
@@ -127,15 +127,18 @@ def publish(
     ----------
     options : argparse.Namespace
     result : Any
-    view : callable
-        Makes what the terminal shows.
+    full : bool, optional
+        Print everything there is to say.
     kind : Kind, optional
         Of the result, where it is none that runs hold.
     """
-    if options.json is not None or options.out is not None:
-        from bayescal.report.runs import kind_of
+    prints = not options.quiet and options.json != "-"
+    if not prints and options.json is None and options.out is None:
+        return
+    from bayescal.report.runs import kind_of
 
-        kind = kind or kind_of(result)
+    kind = kind or kind_of(result)
+    if options.json is not None or options.out is not None:
         made = kind.text(result, options.command_line)
         if options.out is not None:
             kind.write(Path(options.out), result, made, force=options.force)
@@ -145,15 +148,15 @@ def publish(
             from bayescal.files import write_whole
 
             write_whole(Path(options.json), made.encode(), force=options.force)
-    if not options.quiet and options.json != "-":
-        from bayescal.report.render import render
+    if prints:
+        from bayescal.report.terminal import render
 
-        sys.stdout.write(render(view(result), terminal=sys.stdout.isatty()))
+        sys.stdout.write(render(kind.view(result, full=full), terminal=sys.stdout.isatty()))
 
 
-def deliver(options: argparse.Namespace, result: Any, view: Callable[[Any], Any]) -> int:
+def deliver(options: argparse.Namespace, result: Any, *, full: bool = False) -> int:
     """Publish a result that may be unsound; give the exit code."""
-    publish(options, result, view)
+    publish(options, result, full=full)
     return code_of(sound=result.sound)
 
 

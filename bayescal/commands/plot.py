@@ -10,20 +10,18 @@ from typing import TYPE_CHECKING, Any
 from bayescal.commands import options as shared
 from bayescal.commands.output import DONE, add_progress, check_file, code_of
 from bayescal.errors import InputError
-from bayescal.report.figures.registry import FAMILY_KINDS, KINDS, FigureKind
+from bayescal.report.figures.registry import KINDS, FigureKind
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from bayescal.comparison.results import Comparison
 
 HELP = "one figure of a comparison"
 DESCRIPTION = (
     "Draw one figure of a comparison, made now from POINTS or reopened from a RUN that compare "
     "--out wrote. What the figure needs, such as the defence, is computed. "
-    f"{', '.join(FAMILY_KINDS)}: of a RUN that compare --family --out wrote."
+    f"{', '.join(k.name for k in KINDS.values() if k.of == 'families')}: of a RUN that compare "
+    "--family --out wrote; bad-points: of one that outliers --out wrote."
 )
-ALL = {**KINDS, **FAMILY_KINDS}
 SUFFIXES = (".png", ".svg", ".pdf")
 # --axis chooses among what a run holds.
 SETTLED = ("orders", *shared.CAMERA, *shared.MODEL)
@@ -39,23 +37,22 @@ class _ListKinds(argparse.Action):
         values: str | Sequence[Any] | None,  # noqa: ARG002
         option_string: str | None = None,  # noqa: ARG002
     ) -> None:
-        width = max(map(len, ALL))
-        lines = [f"{k.name:{width}}  {k.summary}{_taken(k)}" for k in KINDS.values()]
-        lines += [f"{k.name:{width}}  {k.summary}" for k in FAMILY_KINDS.values()]
-        print("\n".join(lines))
+        width = max(map(len, KINDS))
+        print("\n".join(f"{k.name:{width}}  {k.summary}{_taken(k)}" for k in KINDS.values()))
         parser.exit(DONE)
 
 
 def _taken(kind: FigureKind) -> str:
+    of = "" if kind.of == "comparison" else f"; of {kind.of}"
     if not kind.one_order:
-        return "; --axis" if kind.one_axis else ""
+        return of + ("; --axis" if kind.one_axis else "")
     return "; --axis, --order K" if kind.one_axis else "; both axes, or --axis, --order K"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
-        "kind", choices=tuple(ALL), metavar="KIND", help=f"what to draw: {', '.join(ALL)}"
+        "kind", choices=tuple(KINDS), metavar="KIND", help=f"what to draw: {', '.join(KINDS)}"
     )
     parser.add_argument(
         "--list", action=_ListKinds, nargs=0, help="say what each kind shows, and end"
@@ -83,41 +80,18 @@ def run(options: argparse.Namespace) -> int:
     if suffix not in SUFFIXES:
         raise InputError(f"{path}: a figure is written as {', '.join(SUFFIXES)}; name it so")
     check_file(options, path)
-    reopened = shared.is_run(options, SETTLED)
-    of_families = options.kind in FAMILY_KINDS
-    figure, words, sound = (_of_families if of_families else _of_orders)(options, reopened)
+    kind = KINDS[options.kind]
+    result = _reopened(kind, options) if shared.is_run(options, SETTLED) else None
+    if result is None:
+        result = _compared(kind, options)
+    figure = kind.draw(result, options.axis, options.order)
+    words = kind.alt_text(result, options.axis, options.order)
     from bayescal.report.figures.style import figure_bytes
 
     write_whole(path, figure_bytes(figure, suffix[1:]), force=options.force)
     if not options.quiet:
         print(f"{path}: {words}")
-    return code_of(sound=sound)
-
-
-def _of_families(options: argparse.Namespace, reopened: bool) -> tuple[Figure, str, bool]:
-    """Draw a figure of a run of families; give what is to be seen, and whether it is sound."""
-    kind = FAMILY_KINDS[options.kind]
-    if not reopened:
-        raise InputError(
-            f"{kind.name} is of families: name a run that compare --family --out wrote"
-        )
-    for name in ("axis", "order"):
-        if getattr(options, name) is not None:
-            raise InputError(f"{kind.name} is of r and c together; leave out --{name}")
-    from bayescal.report.kinds.families import FAMILIES
-
-    found = FAMILIES.open(Path(options.points))
-    return kind.draw(found), kind.alt_text(found), found.sound
-
-
-def _of_orders(options: argparse.Namespace, reopened: bool) -> tuple[Figure, str, bool]:
-    """Draw a figure of a comparison of orders, likewise."""
-    kind = KINDS[options.kind]
-    if not reopened:
-        _check(kind, options)
-    result = _reopened(kind, options) if reopened else _compared(kind, options)
-    figure = kind.draw(result, options.axis, options.order)
-    return figure, kind.alt_text(result, options.axis, options.order), result.sound
+    return code_of(sound=result.sound)
 
 
 def _check(kind: FigureKind, options: argparse.Namespace) -> None:
@@ -127,6 +101,11 @@ def _check(kind: FigureKind, options: argparse.Namespace) -> None:
     ------
     InputError
     """
+    if kind.of != "comparison":
+        from bayescal.report.runs import kind_named
+
+        made_by = kind_named(kind.of).made_by
+        raise InputError(f"{kind.name} is of {kind.of}: name a run that {made_by} --out wrote")
     if options.order is not None and not kind.one_order:
         raise InputError(f"{kind.name} shows every order; leave out --order")
     if options.axis is None and (kind.one_axis or options.order is not None):
@@ -138,6 +117,7 @@ def _check(kind: FigureKind, options: argparse.Namespace) -> None:
 def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
     from bayescal.api.axes import compare
 
+    _check(kind, options)
     points = shared.points(options)
     models = len(shared.orders_of(options)) * shared.axes_of(options)
     with shared.Progress(options, models) as progress:
@@ -149,7 +129,9 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
         )
 
 
-def _reopened(kind: FigureKind, options: argparse.Namespace) -> Comparison:
-    from bayescal.report.kinds.comparison import COMPARISON
+def _reopened(kind: FigureKind, options: argparse.Namespace) -> Any:
+    from bayescal.report.runs import kind_named
 
-    return COMPARISON.open(Path(options.points), defend=kind.needs_defence)
+    held = kind_named(kind.of)
+    defend = kind.needs_defence if held.defended else None
+    return held.open(Path(options.points), defend=defend)

@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.prediction.predict import predict
 
     found = predict(camera, table.columns("x", "y", "z"))
-    from bayescal.report import prediction as shown
+    from bayescal.report.views import prediction as shown
 
     columns = shown.prediction_rows(table, found)
     publish_rows(

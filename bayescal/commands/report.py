@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from bayescal.comparison.families.results import FamilyComparison
     from bayescal.comparison.outliers.results import OutlierStudy
     from bayescal.comparison.results import Comparison
-    from bayescal.report.page.blocks import Page
+    from bayescal.report.page.page import Page
 
 HELP = "one page to attach to a calibration (HTML, PDF)"
 DESCRIPTION = (
@@ -97,54 +97,40 @@ def _page(
     options: argparse.Namespace, asked: dict[str, Any] | None
 ) -> tuple[Page, list[str], bool]:
     """Make the page, what to say of it in a few lines, and whether it is sound."""
-    from bayescal.report.page.page import page_of
-    from bayescal.report.page.sections import SECTIONS
+    from bayescal.report.page.page import chapters, page_of
+    from bayescal.report.runs import kind_of
 
-    kept = shared.is_run(options, SETTLED)
-    if kept:
-        alone = _of_another_run(options, asked)
-        if alone is not None:
-            return alone
-    if not kept and asked is not None:
-        _check_families(options, asked)
-    result = _reopened(options) if kept else _compared(options)
-    families = None if asked is None else _families(options, result, asked)
-    study = _bad_points(options, result) if options.outliers else None
-    with shared.Progress(options, len(SECTIONS), "drawing", "section") as progress:
-        page = page_of(result, options.command_line, study, progress.named, families)
-    lines = [
-        f"{name}: " + (f"order {order}" if order is not None else "no order")
-        for name, order in result.orders.items()
-    ]
-    if families is not None:
-        lines.append(families.verdict.text)
-    return page, lines, all(found.sound for found in (result, study, families) if found is not None)
+    result = _reopened(options, asked) if shared.is_run(options, SETTLED) else None
+    if result is None:
+        if asked is not None:
+            _check_families(options, asked)
+        result = _compared(options)
+    beside: list[Any] = []
+    if asked is not None:
+        beside.append(_families(options, result, asked))
+    if options.outliers:
+        beside.append(_bad_points(options, result))
+    count = len(chapters(result, *beside))
+    with shared.Progress(options, count, "drawing", "chapter") as progress:
+        page = page_of(result, options.command_line, *beside, progress=progress.named)
+    shown = [result, *beside]
+    lines = [line for found in shown for line in kind_of(found).views.headlines(found)]
+    return page, lines, all(found.sound for found in shown)
 
 
-def _of_another_run(
-    options: argparse.Namespace, asked: dict[str, Any] | None
-) -> tuple[Page, list[str], bool] | None:
-    """Make the page of a run that is no comparison of orders; None where it is one."""
-    from bayescal.report.kinds.comparison import COMPARISON
-    from bayescal.report.kinds.families import FAMILIES
-    from bayescal.report.kinds.outliers import OUTLIERS
-    from bayescal.report.page.page import families_page, study_page
+def _reopened(options: argparse.Namespace, asked: dict[str, Any] | None) -> Any:
+    """Take up a run; refuse to look beside one that holds no comparison of orders."""
     from bayescal.report.runs import kind_at
 
     place = Path(options.points)
     kind = kind_at(place)
-    if kind is COMPARISON:
-        return None
+    if kind.defended:
+        return kind.open(place, defend=True)
     if options.outliers or asked is not None:
-        what, of = ("--outliers", OUTLIERS) if options.outliers else ("--family", FAMILIES)
-        about = "which the page is about anyway" if kind is of else "which holds nothing else"
+        what, of = ("--outliers", "outliers") if options.outliers else ("--family", "families")
+        about = "which the page is about anyway" if kind.name == of else "which holds nothing else"
         raise InputError(f"{place}: is a run of {kind.name}, {about}; leave out {what}")
-    if kind is FAMILIES:
-        found = FAMILIES.open(place)
-        return families_page(found, options.command_line), [found.verdict.text], found.sound
-    study = OUTLIERS.open(place)
-    lines = [f"{name}: {axis.verdict}" for name, axis in study.axes.items()]
-    return study_page(study, options.command_line), lines, study.sound
+    return kind.open(place)
 
 
 def _check_families(options: argparse.Namespace, asked: dict[str, Any]) -> None:
@@ -208,9 +194,3 @@ def _compared(options: argparse.Namespace) -> Comparison:
             progress=progress,
             **shared.settings(options),
         )
-
-
-def _reopened(options: argparse.Namespace) -> Comparison:
-    from bayescal.report.kinds.comparison import COMPARISON
-
-    return COMPARISON.open(Path(options.points), defend=True)

@@ -64,7 +64,6 @@ def run(options: argparse.Namespace) -> int:
     """Reproduce, print and write; return the exit code."""
     from bayescal.reproduction.kind import FOLDER, REPRODUCTION
     from bayescal.reproduction.procedure import reproduce
-    from bayescal.reproduction.tables import reproduction_view
 
     check_output(options, FOLDER)
     result = reproduce(
@@ -74,5 +73,5 @@ def run(options: argparse.Namespace) -> int:
         sigma=options.sigma,
         common=options.common,
     )
-    publish(options, result, reproduction_view, REPRODUCTION)
+    publish(options, result, kind=REPRODUCTION)
     return DONE

@@ -63,10 +63,8 @@ class ExactParameter:
 
     Attributes
     ----------
-    axis : str
     name : str
         As of the sampled models: ``alpha_1``, ``sigma_r``.
-    mean, sd : float
     interval : tuple of float
         Central, of probability 0.95.
     """

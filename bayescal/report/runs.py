@@ -2,30 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.families.results import FamilyComparison
-from bayescal.comparison.outliers.results import OutlierStudy
-from bayescal.comparison.results import Comparison
-from bayescal.report.kinds.comparison import COMPARISON
-from bayescal.report.kinds.families import FAMILIES
-from bayescal.report.kinds.outliers import OUTLIERS
-from bayescal.report.run.files import document_at
-from bayescal.report.run.kind import RunKind
+if TYPE_CHECKING:  # a kind is imported where it is asked for
+    from bayescal.comparison.families.results import FamilyComparison
+    from bayescal.comparison.outliers.results import OutlierStudy
+    from bayescal.comparison.results import Comparison
+    from bayescal.report.run.kind import RunKind
 
-# A kind is one module in kinds/ and one line here.
-KINDS: tuple[RunKind[Any], ...] = (
-    COMPARISON,  # first: of a folder of no kind it says what is missing
-    FAMILIES,
-    OUTLIERS,
-)
-Result = Comparison | FamilyComparison | OutlierStudy
+    Result = Comparison | FamilyComparison | OutlierStudy
+
+# A kind is one module in kinds/, with its KIND, and one name here. The first of them says what a
+# folder of no kind lacks.
+NAMES = ("comparison", "families", "outliers")
+
+
+def kinds() -> Iterator[RunKind[Any]]:
+    """Give every kind of result that runs hold."""
+    yield from map(kind_named, NAMES)
+
+
+def kind_named(name: str) -> RunKind[Any]:
+    """Find a kind by its name."""
+    kind: RunKind[Any] = import_module(f"bayescal.report.kinds.{name}").KIND
+    return kind
 
 
 def kind_of(result: object) -> RunKind[Any]:
     """Find the kind of a result."""
-    return next(kind for kind in KINDS if isinstance(result, kind.result))
+    return next(kind for kind in kinds() if isinstance(result, kind.result))
 
 
 def kind_at(folder: Path) -> RunKind[Any]:
@@ -36,8 +44,11 @@ def kind_at(folder: Path) -> RunKind[Any]:
     InputError
         Where the folder is no run.
     """
-    schema = document_at(folder, KINDS[0].made_by).get("schema")
-    return next((kind for kind in KINDS if kind.schema == schema), KINDS[0])
+    from bayescal.report.run.files import document_at
+
+    first = kind_named(NAMES[0])
+    schema = document_at(folder, first.made_by).get("schema")
+    return next((kind for kind in kinds() if kind.schema == schema), first)
 
 
 def open_run(folder: str | Path, *, defend: bool | None = None) -> Result:

@@ -22,7 +22,6 @@ def reproduction_document(reproduction: Reproduction, command: str) -> dict[str,
 
     Parameters
     ----------
-    reproduction : Reproduction
     command : str
         How it was asked for, for the provenance.
 

@@ -79,10 +79,8 @@ def error_figure(reproduction: Reproduction, axis: str, kind: ErrorKind) -> Figu
 
     Parameters
     ----------
-    reproduction : Reproduction
     axis : str
         ``"r"`` or ``"c"``.
-    kind : ErrorKind
 
     Returns
     -------

@@ -22,10 +22,6 @@ from bayescal.reproduction.results import OrderReproduction, Reproduction
 def thesis_figures(reproduction: Reproduction) -> dict[str, Figure]:
     """All figures, by the name of their file.
 
-    Parameters
-    ----------
-    reproduction : Reproduction
-
     Returns
     -------
     dict of str to matplotlib.figure.Figure
@@ -44,10 +40,6 @@ def thesis_figures(reproduction: Reproduction) -> dict[str, Figure]:
 
 def pixels_figure(reproduction: Reproduction) -> Figure:
     """Figure 6: pixel against world coordinate, and against what the models use.
-
-    Parameters
-    ----------
-    reproduction : Reproduction
 
     Returns
     -------

@@ -5,12 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from rich.console import RenderableType
+
 from bayescal.files import FolderKind
 from bayescal.report.figures.style import save_figure
 from bayescal.report.run.kind import Kind
 from bayescal.reproduction.document import reproduction_document
 from bayescal.reproduction.figures import thesis_figures
 from bayescal.reproduction.results import Reproduction
+from bayescal.reproduction.tables import reproduction_view
 
 FOLDER = FolderKind("reproduction", "reproduction.json", ("figure-*.png", "figure-*.svg"))
 
@@ -23,6 +26,10 @@ class ReproductionKind(Kind[Reproduction]):
     def document(self, result: Reproduction, command: str) -> dict[str, Any]:
         """Build its document."""
         return reproduction_document(result, command)
+
+    def view(self, result: Reproduction, *, full: bool = False) -> RenderableType:  # noqa: ARG002
+        """Give what its command prints, which is everything."""
+        return reproduction_view(result)
 
     def fill(self, folder: Path, result: Reproduction) -> None:
         """Draw the figures."""

@@ -86,15 +86,6 @@ class ThesisModel:
         ----------
         w, u : Array
             x/z and y/z after the camera position is subtracted, ``(n_points,)``.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> w, u = np.array([2.0]), np.array([3.0])
-        >>> ThesisModel("as-written", "r", 4).design(w, u).tolist()
-        [[1.0, 2.0, 4.0, 8.0, 16.0]]
-        >>> ThesisModel("as-coded", "r", 4).design(w, u).tolist()
-        [[1.0, 2.0, 4.0, 27.0, 81.0]]
         """
         values = {"x/z": np.asarray(w, dtype=float), "y/z": np.asarray(u, dtype=float)}
         columns = [values[name] ** power for power, name in enumerate(self.regressors)]

@@ -19,14 +19,12 @@ class ThesisFit:
 
     Attributes
     ----------
-    model : ThesisModel
     kept : IntArray
         The points fitted, from 0, ascending, ``(n_kept,)``.
     fit : DesignFit
         To those points; coefficients in the listing's monomials, px.
     residuals : Array
         Measured less predicted of *all* points, ``(n_points,)``, px.
-    criteria : Criteria
     """
 
     model: ThesisModel
@@ -69,13 +67,11 @@ class OrderReproduction:
 
     Attributes
     ----------
-    order : int
     before : ThesisFit
         To all points.
     tests : PointTests or None
         Standardised residuals of all points before elimination; None where they
         mean nothing (an exact fit, no degree of freedom).
-    rejection : Rejection
     after : ThesisFit
         To the points that this order's elimination kept.
     common : ThesisFit or None
@@ -97,7 +93,6 @@ class AxisReproduction:
 
     Attributes
     ----------
-    variant, axis : str
     orders : tuple of OrderReproduction
         Ascending.
     common_kept : IntArray
@@ -169,8 +164,6 @@ class Reproduction:
 
     Attributes
     ----------
-    points : Correspondences
-    rule : RejectionRule
     common : bool
         Whether all orders were also fitted to the points that all of them kept.
     variants : dict of str to dict of str to AxisReproduction

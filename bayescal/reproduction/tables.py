@@ -40,10 +40,6 @@ def reproduction_view(reproduction: Reproduction) -> RenderableType:
 def conclusion(model: AxisReproduction) -> str:
     """Say where BIC stops, and whether chance explains what the orders beyond gain.
 
-    Parameters
-    ----------
-    model : AxisReproduction
-
     Returns
     -------
     str

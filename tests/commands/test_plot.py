@@ -9,7 +9,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import main
-from bayescal.report.figures.registry import FAMILY_KINDS, KINDS
+from bayescal.report.figures.registry import KINDS
 from bayescal.report.figures.style import figure_bytes
 from tests.helpers.cases import camera_points
 from tests.helpers.command import apart, environment, here
@@ -109,9 +109,8 @@ def test_list_says_every_kind():
     done = here("plot", "--list")
     assert done.code == 0
     lines = done.out.splitlines()
-    assert [line.split()[0] for line in lines] == [*KINDS, *FAMILY_KINDS]
-    kinds = [*KINDS.values(), *FAMILY_KINDS.values()]
-    assert all(kind.summary in done.out for kind in kinds)
+    assert [line.split()[0] for line in lines] == [*KINDS]
+    assert all(kind.summary in done.out for kind in KINDS.values())
     assert max(map(len, lines)) <= 100
 
 

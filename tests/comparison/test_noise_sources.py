@@ -22,7 +22,8 @@ from bayescal.linear.least_squares import factorise, solve
 from bayescal.linear.model import LinearModel
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.level import NoiseLevel
-from bayescal.report.terminal import fit_view, render
+from bayescal.report.terminal import render
+from bayescal.report.views.comparison import full
 from tests.helpers.cases import HEIGHT, WIDTH, camera_points, printed, result_document
 from tests.helpers.problems import field_rule, legendre_columns, make_axis, thesis_axis
 
@@ -190,7 +191,7 @@ def test_regressors_within_a_billionth_of_the_domain_are_replicates():
 
 def test_the_fit_of_replicated_points_does_not_call_chi2_its_own():
     """chi2/dof against replicates is not 1 by construction, so it must not be said to be."""
-    text = render(fit_view(bc.fit(replicated(), 1, ess=100)), terminal=False)
+    text = render(full(bc.fit(replicated(), 1, ess=100)), terminal=False)
     assert "taken from the same residuals" not in text
 
 

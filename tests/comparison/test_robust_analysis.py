@@ -13,8 +13,8 @@ from bayescal.cli import main
 from bayescal.errors import InputError
 from bayescal.report.document.comparison import comparison_document
 from bayescal.report.document.shared import schema
-from bayescal.report.render import render
-from bayescal.report.terminal import comparison_view
+from bayescal.report.terminal import render
+from bayescal.report.views.comparison import brief
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +63,7 @@ def test_its_document_keeps_the_schema_and_says_what_the_noise_is(defended):
 
 
 def test_its_tables_fit_100_columns(defended):
-    text = render(comparison_view(defended), terminal=False)
+    text = render(brief(defended), terminal=False)
     assert max(map(len, text.splitlines())) <= 100
     assert "Student-t, nu ~ Gamma(shape 2, rate 0.1)" in text
     assert "PSIS takes its place" in text

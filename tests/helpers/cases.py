@@ -21,7 +21,8 @@ from bayescal.polynomials.basis import MonomialMap
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.document.comparison import comparison_document
 from bayescal.report.document.shared import dumps
-from bayescal.report.terminal import comparison_view, render
+from bayescal.report.terminal import render
+from bayescal.report.views.comparison import brief
 from tests.helpers.problems import legendre_columns, make_axis
 
 WIDTH, HEIGHT = 1920.0, 1080.0
@@ -110,7 +111,7 @@ def defended(points: bc.Correspondences, orders=(1, 2, 3), axis: str = "r", **op
 
 def printed(result: Comparison) -> str:
     """What compare prints."""
-    return render(comparison_view(result), terminal=False)
+    return render(brief(result), terminal=False)
 
 
 def result_document(result: Comparison) -> dict:

@@ -8,8 +8,9 @@ import json
 from rich.console import Console
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest
-from bayescal.report.adequacy import adequacy_view
 from bayescal.report.document.defence import adequacy_rows
+from bayescal.report.terminal import laid_out
+from bayescal.report.views.orders.adequacy import adequacy_blocks
 
 PART = AdequacyTest("y/z", "F", 3.0, (1, 51), 0.02, "worth 1 px.")
 TESTS = (
@@ -26,7 +27,7 @@ TESTS = (
 def text(tests) -> str:
     console = Console(width=100, file=io.StringIO(), legacy_windows=False)
     with console.capture() as captured:
-        console.print(adequacy_view(tests, 4))
+        console.print(laid_out(adequacy_blocks(tests, "r", 4)))
     return captured.get()
 
 

@@ -6,8 +6,9 @@ import pytest
 from rich.console import Group
 from rich.text import Text
 
-from bayescal.report.grid import Cell, Column, Table
-from bayescal.report.render import laid_out, listed, render
+from bayescal.report.blocks import Facts, Tabled
+from bayescal.report.table import Cell, Column, Table
+from bayescal.report.terminal import render
 
 HOSTILE = "\x1b[31mred\x07 \u202elive\u202c \x9b2J \u2066x"
 
@@ -26,5 +27,7 @@ def test_labels_command_no_terminal(terminal, monkeypatch):
 @pytest.mark.parametrize("label", ["[/]", "[red]x[/red]", ":smile:", "[link=http://a]b[/link]"])
 def test_a_label_in_a_table_is_shown_as_it_is(label):
     table = Table((Column("point"), Column("x")), ((Cell(label), Cell("1")),))
-    assert render(laid_out(table), terminal=False).splitlines()[-2].split() == [label, "1"]
-    assert render(listed([("name", label)]), terminal=False).split() == ["name", label]
+    shown = render((Tabled("points", "", table),), terminal=False)
+    assert shown.splitlines()[-1].split() == [label, "1"]
+    shown = render((Facts((("name", label),)),), terminal=False)
+    assert shown.split() == ["name:", label]

@@ -9,7 +9,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.outliers.results import AxisOutliers
-from bayescal.report.render import render
+from bayescal.report.terminal import render
 from bayescal.reproduction.tables import reproduction_view
 
 TEXT = (Path(__file__).parents[2] / "docs" / "thesis.md").read_text(encoding="utf-8")

@@ -70,7 +70,6 @@ class FittedCamera:
 
         Parameters
         ----------
-        lens : Lens
         intrinsics : array_like
             fx, fy, cx, cy, ``(4,)``, px.
         coefficients : array_like

@@ -46,13 +46,8 @@ def camera_text(camera: FittedCamera, form: str) -> str:
 
     Parameters
     ----------
-    camera : FittedCamera
     form : str
         ``"opencv"``, ``"ros"``, ``"kalibr"``, ``"mrcal"`` or ``"colmap"``.
-
-    Returns
-    -------
-    str
 
     Raises
     ------

@@ -27,7 +27,6 @@ def comparison_document(comparison: Comparison, command: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    comparison : Comparison
     command : str
         How it was asked for, for the provenance. A comparison that a run holds keeps the
         provenance of that run.

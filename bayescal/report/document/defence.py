@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.adequacy.outcome import AdequacyTest
-from bayescal.comparison.defence.results import Defence
-from bayescal.comparison.defence.stability import Bootstrap, Removal
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.key import Key
 from bayescal.report.document.shared import by_order
+
+if TYPE_CHECKING:  # a comparison without a defence does not pay for it
+    from bayescal.comparison.adequacy.outcome import AdequacyTest
+    from bayescal.comparison.defence.results import Defence
+    from bayescal.comparison.defence.stability import Bootstrap, Removal
 
 
 def defence_document(defence: Defence) -> dict[str, Any]:

@@ -28,13 +28,8 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    found : FamilyComparison
     command : str
         How it was asked for, for the provenance; of what a run holds, that run's stays.
-
-    Returns
-    -------
-    dict
     """
     verdict = found.verdict
     return {

@@ -16,7 +16,6 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    found : LensComparison
     command : str
         How it was asked for, for the provenance.
     """

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.defence.results import Prediction
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import ParameterSummary
 from bayescal.report.document.shared import evidence_facts, finite, summary_facts
+
+if TYPE_CHECKING:  # a comparison without a defence does not pay for it
+    from bayescal.comparison.defence.results import Prediction
 
 PREDICTION = (
     "elpd_loo",
@@ -29,13 +31,8 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
 
     Parameters
     ----------
-    result : OrderResult
     axis : AxisComparison
         Of which it is one: differences are from its smallest criteria.
-
-    Returns
-    -------
-    dict
     """
     fit, good, found = result.fit, result.goodness, result.criteria
     posterior, size = result.posterior, len(fit.coefficients)

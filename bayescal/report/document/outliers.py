@@ -15,7 +15,6 @@ def outliers_document(study: OutlierStudy, command: str) -> dict[str, Any]:
 
     Parameters
     ----------
-    study : OutlierStudy
     command : str
         How it was asked for, for the provenance.
 

@@ -72,7 +72,6 @@ def name_points(
 
     Parameters
     ----------
-    ax : matplotlib.axes.Axes
     x, y : Array
         All points drawn, ``(n_points,)``, in the axes' units.
     named : sequence of int
@@ -156,10 +155,6 @@ def printable_names(labels: Sequence[str]) -> tuple[str, ...]:
 
     A label that is long, or holds a character that the figure's font lacks, gives way
     to the point's number with a #.
-
-    Parameters
-    ----------
-    labels : sequence of str
     """
     known = get_font(findfont("DejaVu Sans")).get_charmap()
     return tuple(

@@ -18,7 +18,7 @@ from bayescal.comparison.lenses.prediction import (
     response,
 )
 from bayescal.comparison.lenses.results import LensComparison
-from bayescal.report.figures.image import arrow_scale, key_length
+from bayescal.report.figures.comparison.image import arrow_scale, key_length
 from bayescal.report.figures.style import BLUE, COLOURS, GREY, PALE, VERMILLION, WIDTH, settle
 
 FAR = 300.0  # nat: lenses further below the best are not drawn

@@ -21,7 +21,6 @@ class ResidualPoints:
 
     Attributes
     ----------
-    problem : Problem
     residuals : Array
         Measured less predicted, ``(n_points,)``, px.
     named : tuple of int

@@ -75,7 +75,6 @@ def figure_bytes(figure: Figure, kind: str, dpi: float = 200) -> bytes:
 
     Parameters
     ----------
-    figure : matplotlib.figure.Figure
     kind : str
         ``"png"``, ``"svg"`` or ``"pdf"``.
     dpi : float, optional
@@ -98,7 +97,6 @@ def save_figure(figure: Figure, stem: Path) -> None:
 
     Parameters
     ----------
-    figure : matplotlib.figure.Figure
     stem : Path
         Of the files, without a suffix.
     """

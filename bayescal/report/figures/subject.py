@@ -19,7 +19,6 @@ class Subject:
 
     Attributes
     ----------
-    comparison : Comparison
     name : str or None
         Of the axis; None: all axes.
     order : int or None
@@ -105,7 +104,6 @@ def amplitudes(coefficients: Array, domain: Domain) -> Array:
     ----------
     coefficients : Array
         ``(n_draws, n_coefficients)``, px.
-    domain : Domain
 
     Returns
     -------

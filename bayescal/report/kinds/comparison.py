@@ -3,28 +3,27 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison.analysis import analyse_points
-from bayescal.comparison.defence.stability import Beyond
-from bayescal.comparison.judged import Judged
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.posterior import Posterior
-from bayescal.inference.stored import packed
 from bayescal.points.setup import AXES
 from bayescal.polynomials import separable
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.report.document.comparison import SCHEMA, comparison_document
-from bayescal.report.document.defence import noises_from
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import described
 from bayescal.report.run.kind import RunKind
 from bayescal.report.run.shape import NUMBER, Each, Same
-from bayescal.report.run.store import StoredDraws, with_left_out
+from bayescal.report.views.comparison import VIEWS
 from bayescal.version import __version__
+
+if TYPE_CHECKING:  # Gaussian noise does not pay for it
+    pass
 
 MEAN = Same("mean", unit="sd", now="from its draws")
 COEFFICIENT = {"name": str, "mean": MEAN, "sd": NUMBER}
@@ -61,6 +60,8 @@ class ComparisonKind(RunKind[Comparison]):
 
     result = Comparison
     name = "comparison"
+    element = "result"
+    views = VIEWS
     schema = SCHEMA
     made_by = "compare"
     shape = SHAPE
@@ -72,6 +73,8 @@ class ComparisonKind(RunKind[Comparison]):
 
     def draws(self, result: Comparison) -> dict[str, Draws]:
         """Draws of every order of every axis."""
+        from bayescal.report.run.store import with_left_out
+
         kept = {}
         for axis in result.axes.values():
             for found in axis.orders:
@@ -99,15 +102,20 @@ class ComparisonKind(RunKind[Comparison]):
                 f"{__version__} does not have ({run.between()}); upgrade bayescal"
             )
         orders = {name: tuple(o["order"] for o in axis["orders"]) for name, axis in axes.items()}
-        found = analyse_points(run.points(), orders, settings, None, _Stored(run, settings.noise))
+        from bayescal.report.run.store import StoredDraws
+
+        store = StoredDraws(run, settings.noise)
+        found = analyse_points(run.points(), orders, settings, None, store)
         return found.with_hint(run.document.get("families", {}).get("hint"))
 
 
-COMPARISON = ComparisonKind()
+KIND = ComparisonKind()
 
 
 def axis_draws(posterior: Posterior, data: AxisData, order: int) -> Draws:
     """Arrange the draws of one order of an axis for those who know nothing of bayescal."""
+    from bayescal.inference.stored import packed
+
     return described(
         packed(posterior),
         {"pixel": data.t, "regressor": data.x},
@@ -116,32 +124,3 @@ def axis_draws(posterior: Posterior, data: AxisData, order: int) -> Draws:
         order=order,
         units="coefficients and sigma in px, tau a fraction of the image, scale a factor",
     )
-
-
-class _Stored(StoredDraws):
-    """What a comparison's run keeps beside draws: numbers of its defence that take long."""
-
-    def noises(self, axis: str) -> tuple[Judged, ...] | None:
-        """Evidence under other noise models, where the run's defence has it."""
-        defence = self._defence(axis)
-        return None if defence is None else noises_from(defence["noises"], axis)
-
-    def wins(self, axis: str, unit: str) -> dict[int, float] | None:
-        """Bootstrap shares of an axis, which take most of a defence's time."""
-        defence = self._defence(axis)
-        for found in defence["bootstrap"] if defence is not None else []:
-            if found["unit"] == unit:
-                return {int(k): share for k, share in found["share"].items()}
-        return None
-
-    def beyond(self, axis: str, highest: int) -> Beyond | None:
-        """Orders above the compared range, which without a closed form are sampled."""
-        found = None if (defence := self._defence(axis)) is None else defence["beyond"]
-        if found is None:
-            return None
-        chances = {int(k): p for k, p in found["probability"].items()}
-        return Beyond(chances, found["winner"], tuple(k for k in chances if k > highest))
-
-    def _defence(self, axis: str) -> dict[str, Any] | None:
-        found: dict[str, Any] | None = self.run.document["axes"][axis]["defence"]
-        return found

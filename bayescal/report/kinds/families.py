@@ -20,6 +20,7 @@ from bayescal.report.run.folder import described
 from bayescal.report.run.kind import RunKind
 from bayescal.report.run.shape import NUMBER, Maybe, Same
 from bayescal.report.run.store import StoredDraws, with_left_out
+from bayescal.report.views.families.views import VIEWS
 
 # Draws are kept in coordinates about a maximum that is searched for again. Another machine's
 # rounding ends the search elsewhere: by 1e-6 nat of leave-one-out on the thesis's points.
@@ -61,6 +62,8 @@ class FamiliesKind(RunKind[FamilyComparison]):
 
     result = FamilyComparison
     name = "families"
+    element = "families"
+    views = VIEWS
     schema = SCHEMA
     made_by = "compare --family"
     shape = SHAPE
@@ -99,7 +102,7 @@ class FamiliesKind(RunKind[FamilyComparison]):
         )
 
 
-FAMILIES = FamiliesKind()
+KIND = FamiliesKind()
 
 
 def _request(stated: Mapping[str, Any], run: RunFiles) -> FamilyRequest:

@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from bayescal.comparison.lenses.results import LensComparison
+from bayescal.report.blocks import Blocks
 from bayescal.report.document.lenses import lenses_document
 from bayescal.report.run.camera import CAMERA, camera_bytes_of
 from bayescal.report.run.kind import Kind
+from bayescal.report.views.lenses import brief
 
 
 class LensesKind(Kind[LensComparison]):
@@ -17,6 +19,10 @@ class LensesKind(Kind[LensComparison]):
     def document(self, result: LensComparison, command: str) -> dict[str, Any]:
         """Build its document."""
         return lenses_document(result, command)
+
+    def view(self, result: LensComparison, *, full: bool = False) -> Blocks:  # noqa: ARG002
+        """Give what its command prints, which is everything."""
+        return brief(result)
 
     def fill(self, folder: Path, result: LensComparison) -> None:
         """Write the camera beside the document."""

@@ -18,6 +18,7 @@ from bayescal.report.run.files import RunFiles
 from bayescal.report.run.kind import RunKind
 from bayescal.report.run.shape import NUMBER, Each, Same
 from bayescal.report.run.store import StoredDraws
+from bayescal.report.views.outliers import VIEWS
 
 NOW = "from its draws"
 SHAPE = {
@@ -49,6 +50,8 @@ class OutliersKind(RunKind[OutlierStudy]):
 
     result = OutlierStudy
     name = "outliers"
+    element = "outliers"
+    views = VIEWS
     schema = SCHEMA
     made_by = "outliers"
     shape = SHAPE
@@ -84,4 +87,4 @@ class OutliersKind(RunKind[OutlierStudy]):
         )
 
 
-OUTLIERS = OutliersKind()
+KIND = OutliersKind()

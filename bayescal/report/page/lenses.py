@@ -8,12 +8,17 @@ import numpy as np
 
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.files import write_whole
+from bayescal.report.blocks import Block, Facts, Prose, Section, Tabled, listed
 from bayescal.report.document.lenses import lenses_document
 from bayescal.report.figures import lenses as figures
-from bayescal.report.grid import Cell, Column, Table, number_cell
-from bayescal.report.lenses import (
-    NOT_SOUND,
-    header_lines,
+from bayescal.report.page.page import Page, html
+from bayescal.report.page.pictures import pictured
+from bayescal.report.table import Cell, Column, Table, number_cell
+from bayescal.report.views import provenance
+from bayescal.report.views.lenses import (
+    UNSOUND,
+    about,
+    assumed,
     lens_footnotes,
     lenses_table,
     parameters_note,
@@ -22,10 +27,6 @@ from bayescal.report.lenses import (
     places_table,
     sampling_words,
 )
-from bayescal.report.page.blocks import Block, Listing, Page, Prose, Section, Tabled
-from bayescal.report.page.page import html
-from bayescal.report.page.sections.provenance import of_documents
-from bayescal.report.page.subject import pictured
 from bayescal.version import __version__
 
 
@@ -45,12 +46,12 @@ def lenses_page(found: LensComparison, command: str) -> Page:
         _left_over(found),
         _sure(found),
         _parameters(found),
-        of_documents({"lenses": kept}),
+        provenance.section({"lenses": kept}),
     )
     return Page(
         title="Which lens model? Many views of a target compared",
-        about=tuple(header_lines(found)),
-        warning="" if found.sound else NOT_SOUND,
+        about=tuple(about(found)),
+        warning="" if found.sound else f"Not sound: {UNSOUND}",
         sections=sections,
         made_by=f"bayescal {__version__}, {kept['provenance']['created']}",
     )
@@ -72,10 +73,12 @@ def save_lens_report(
 
 def _verdict(found: LensComparison) -> Section:
     verdict = found.verdict
-    blocks: list[Block] = [Prose(verdict.text)]
-    if verdict.caveats:
-        blocks.append(Listing(tuple(f"{c[0].upper()}{c[1:]}." for c in verdict.caveats)))
-    blocks.append(Prose(sampling_words(found)))
+    blocks: list[Block] = [
+        Prose(verdict.text),
+        *listed([f"{caveat}." for caveat in verdict.caveats], "caveat"),
+        Facts(tuple(assumed(found))),
+        Prose(sampling_words(found)),
+    ]
     return Section("verdict", "Verdict", "Which lens these views support.", tuple(blocks))
 
 

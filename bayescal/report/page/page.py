@@ -1,8 +1,10 @@
-"""A comparison as a page: the values, and their HTML."""
+"""A result as a page: its chapters, and their HTML."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -10,126 +12,84 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bayescal.comparison.families.results import FamilyComparison
-from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
-from bayescal.report.document.comparison import comparison_document
-from bayescal.report.document.families import families_document
-from bayescal.report.document.outliers import outliers_document
-from bayescal.report.page.blocks import Page, Section
-from bayescal.report.page.sections import SECTIONS
-from bayescal.report.page.sections.bad_points import study_section
-from bayescal.report.page.sections.families import families_section
-from bayescal.report.page.sections.provenance import of_documents
-from bayescal.report.page.subject import PageSubject
-from bayescal.report.page.typography import symbol, typeset, visible
-from bayescal.report.terminal import header_lines
+from bayescal.report.blocks import Section
+from bayescal.report.page.pictures import drawn
+from bayescal.report.page.typography import sentence, symbol, typeset, visible
+from bayescal.report.runs import kind_of
+from bayescal.report.views import provenance
 from bayescal.version import __version__
 
-NOT_SOUND = (
-    "Not sound: the draws of some models did not converge or disagree with the closed form. See "
-    "Sampling."
-)
+
+@dataclass(frozen=True)
+class Page:
+    """Everything that the template needs.
+
+    Attributes
+    ----------
+    about : tuple of str
+        What was analysed, a line each.
+    warning : str
+        Why the whole must not be trusted; empty where it can.
+    """
+
+    title: str
+    about: tuple[str, ...]
+    warning: str
+    sections: tuple[Section, ...]
+    made_by: str
 
 
 def page_of(
-    comparison: Comparison,
+    result: Any,
     command: str,
-    study: OutlierStudy | None = None,
+    *beside: Any,
     progress: Callable[[str], None] | None = None,
-    families: FamilyComparison | None = None,
 ) -> Page:
     """Collect everything that a page shows.
 
     Parameters
     ----------
-    comparison : Comparison
     command : str
         How it was asked for, for the provenance.
-    study : OutlierStudy, optional
-        The bad points of the same data, shown in a section of their own.
+    *beside : FamilyComparison or OutlierStudy
+        Results on the same points, shown in chapters of their own.
     progress : callable, optional
-        Called with a section's name before it is made: drawing takes most of the time.
-    families : FamilyComparison, optional
-        Families of models of the same points, shown in a section of their own.
-
-    Returns
-    -------
-    Page
+        Called with a chapter's name before it is made: drawing takes most of the time.
     """
-    subject = PageSubject(comparison, comparison_document(comparison, command), study, families)
-    found = []
-    for section in SECTIONS:
+    kind, views = kind_of(result), kind_of(result).views
+    document = kind.document(result, command)
+    origin = document["provenance"]
+    documents = {kind.element: document}
+    for other in beside:
+        found = kind_of(other)
+        documents[found.element] = found.document(other, origin["command"])
+    sections = []
+    for name, make in chapters(result, *beside):
         if progress is not None:
-            progress(section.__module__.rpartition(".")[2].replace("_", " "))
-        made = section(subject)
-        if made is not None:
-            found.append(made)
-    pairs = [f"{len(subject.axes[0].data)} pairs of x and y"] * (comparison.points is None)
-    lines = [*pairs, *header_lines(comparison)]
-    origin = subject.document["provenance"]
+            progress(name)
+        section = make()
+        if section is not None:
+            sections.append(replace(section, blocks=drawn(section.blocks)))
+    if views.methods is not None:
+        sections.append(views.methods(result, beside, origin))
     return Page(
-        title="Which polynomial order? A camera calibration compared"
-        if comparison.points is not None
-        else "Which polynomial order? A comparison",
-        about=tuple(line[0].upper() + line[1:] + "." for line in lines),
-        warning="" if comparison.sound else NOT_SOUND,
-        sections=tuple(found),
+        title=views.title(result),
+        about=tuple(f"{sentence(line)}." for line in views.about(result)),
+        warning="" if result.sound else f"Not sound: {views.unsound}",
+        sections=(*sections, provenance.section(documents)),
         made_by=f"bayescal {__version__}, {origin['created']}",
     )
 
 
-def study_page(study: OutlierStudy, command: str) -> Page:
-    """Collect what a page of bad points alone shows.
-
-    Parameters
-    ----------
-    study : OutlierStudy
-    command : str
-        How it was asked for, for the provenance.
-
-    Returns
-    -------
-    Page
-    """
-    kept = outliers_document(study, command)
-    return _alone("Bad points of a camera calibration", study, study_section(study), outliers=kept)
-
-
-def families_page(found: FamilyComparison, command: str) -> Page:
-    """Collect what a page of families alone shows.
-
-    Parameters
-    ----------
-    found : FamilyComparison
-    command : str
-        How it was asked for, for the provenance.
-
-    Returns
-    -------
-    Page
-    """
-    kept = families_document(found, command)
-    title = "The order, or the model? Families of camera models compared"
-    return _alone(title, found, families_section(found), families=kept)
-
-
-def _alone(
-    title: str,
-    found: OutlierStudy | FamilyComparison,
-    section: Section,
-    **documents: dict[str, Any],
-) -> Page:
-    """Make a page of one section and of where it comes from."""
-    (kept,) = documents.values()
-    return Page(
-        title=title,
-        about=(f"{len(found.points)} points from {found.points.source}.",),
-        warning="" if found.sound else "Not sound: an evidence should not be trusted.",
-        sections=(section, of_documents(documents)),
-        made_by=f"bayescal {__version__}, {kept['provenance']['created']}",
-    )
+def chapters(result: Any, *beside: Any) -> list[tuple[str, Callable[[], Section | None]]]:
+    """List what makes the chapters of a page, in reading order, by their names."""
+    views = kind_of(result).views
+    pairs = [(result, views.sections)]
+    pairs += [(other, kind_of(other).views.sections) for other in beside]
+    pairs.append((result, views.appendix))
+    return [(name, partial(make, of)) for of, makers in pairs for name, make in makers.items()]
 
 
 def html(page: Page) -> str:

@@ -70,10 +70,6 @@ def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -
     timeout : float, optional
         Seconds.
 
-    Returns
-    -------
-    bytes
-
     Raises
     ------
     OutputError

@@ -49,3 +49,8 @@ def symbol(name: str) -> str:
     if index and not index.isdigit():  # of an axis
         return typeset(f"{_LETTERS[letter]} {index}")
     return _LETTERS[letter] + index.translate(_SUBSCRIPTS) + space + rest
+
+
+def sentence(text: str) -> str:
+    """Begin with a capital letter."""
+    return text[:1].upper() + text[1:]

@@ -42,7 +42,6 @@ def fill_run(
     ----------
     folder : Path
         Holds the document.
-    points : Correspondences
     draws : mapping of str to Draws
         By the model's name.
     camera : bytes or None

@@ -8,26 +8,25 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
+from rich.console import RenderableType
+
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.files import FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import Draws
+from bayescal.report.blocks import Blocks
 from bayescal.report.document.shared import dumps
 from bayescal.report.run.camera import camera_bytes_of
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import RUN, fill_run
 from bayescal.report.run.shape import disagreement
+from bayescal.report.views.views import Views
 
 Result = TypeVar("Result")
 
 
 class Kind(ABC, Generic[Result]):
-    """A kind of result that can be written to a folder.
-
-    Attributes
-    ----------
-    folder : FolderKind
-    """
+    """A kind of result that can be written to a folder."""
 
     folder: ClassVar[FolderKind] = RUN
 
@@ -38,6 +37,10 @@ class Kind(ABC, Generic[Result]):
     @abstractmethod
     def fill(self, folder: Path, result: Result) -> None:
         """Write what belongs beside the document."""
+
+    @abstractmethod
+    def view(self, result: Result, *, full: bool = False) -> Blocks | RenderableType:
+        """Give what its command prints, or everything there is to say."""
 
     def text(self, result: Result, command: str) -> str:
         """Its document as text."""
@@ -57,8 +60,6 @@ class Kind(ABC, Generic[Result]):
 
         Parameters
         ----------
-        folder : Path
-        result : Result
         text : str
             Its document's.
         force : bool
@@ -86,6 +87,10 @@ class RunKind(Kind[Result]):
         Of its values.
     name : str
         In a word, for messages.
+    element : str
+        Name under which a page keeps its document.
+    views : Views
+        How it is shown.
     schema : str
         That its document names.
     made_by : str
@@ -101,6 +106,8 @@ class RunKind(Kind[Result]):
 
     result: ClassVar[type]
     name: ClassVar[str]
+    element: ClassVar[str]
+    views: ClassVar[Views[Any]]
     schema: ClassVar[str]
     made_by: ClassVar[str]
     shape: ClassVar[Any]
@@ -124,6 +131,10 @@ class RunKind(Kind[Result]):
             Where what was asked for is not usable here.
         """
 
+    def view(self, result: Result, *, full: bool = False) -> Blocks:
+        """Give what its command prints, or everything there is to say."""
+        return self.views.full(result) if full else self.views.brief(result)
+
     def pictures(self, folder: Path, result: Result) -> None:
         """Add pictures, which nothing is read from."""
 
@@ -142,7 +153,6 @@ class RunKind(Kind[Result]):
 
         Parameters
         ----------
-        folder : Path
         defend : bool, optional
             Whether to answer a referee too; by default where the run does.
 

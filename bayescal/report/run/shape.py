@@ -32,7 +32,6 @@ class Each:
 
     Attributes
     ----------
-    shape : Any
     keys : tuple of str
         Those it may have; any where empty.
     named : str
@@ -52,7 +51,6 @@ class Same:
     ----------
     words : str
         What it is, for messages.
-    kind : type or tuple of type
     within : float
         By how much a number may differ.
     unit : str

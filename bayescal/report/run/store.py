@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bayescal.arrays import frozen
+from bayescal.comparison.defence.stability import Beyond
 from bayescal.comparison.key import Key
 from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.store import Store
@@ -16,9 +17,11 @@ from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.stored import unpacked
 from bayescal.linear.model import LinearModel
 from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.report.document.defence import noises_from
 from bayescal.report.run.files import RunFiles
 
 if TYPE_CHECKING:
+    from bayescal.comparison.judged import Judged
     from bayescal.comparison.store import Kept
 
 LEFT_OUT = "leave_one_out"
@@ -50,6 +53,30 @@ class StoredDraws(Store):
     ) -> LeaveOneOut | None:
         """Give the leave-one-out that was kept beside a model's draws; older runs kept none."""
         return self._left_out[key] if key in self._left_out else compute()
+
+    def wins(self, axis: str, unit: str) -> dict[int, float] | None:
+        """Bootstrap shares of an axis, which take most of a defence's time."""
+        for found in self._defence(axis).get("bootstrap", []):
+            if found["unit"] == unit:
+                return {int(k): share for k, share in found["share"].items()}
+        return None
+
+    def beyond(self, axis: str, highest: int) -> Beyond | None:
+        """Orders above the compared range, which without a closed form are sampled."""
+        found = self._defence(axis).get("beyond")
+        if found is None:
+            return None
+        chances = {int(k): p for k, p in found["probability"].items()}
+        return Beyond(chances, found["winner"], tuple(k for k in chances if k > highest))
+
+    def noises(self, axis: str) -> tuple[Judged, ...] | None:
+        """Evidence under other noise models, where the run's defence has it."""
+        rows = self._defence(axis).get("noises")
+        return None if rows is None else noises_from(rows, axis)
+
+    def _defence(self, axis: str) -> dict[str, Any]:
+        """Give the defence of an axis; empty where it has none."""
+        return self.run.document["axes"][axis].get("defence") or {}
 
 
 def with_left_out(draws: Draws, loo: LeaveOneOut | None) -> Draws:

@@ -8,7 +8,7 @@ import bayescal as bc
 from bayescal.comparison.defence.other_noise import noise_words
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.key import Key
-from bayescal.report.other_noises import other_noise_lines
+from bayescal.report.views.orders.evidence import noises_note
 
 
 def judged(noise, lead, error, warnings=()):
@@ -55,6 +55,6 @@ def test_a_known_sigma_is_no_standard_deviation_under_student_t(sigma, said):
 def test_the_priors_of_other_noise_are_printed(thesis_comparison):
     """Gamma has two parametrisations, and an evidence without its prior says nothing."""
     student, mixture = other(1.0, 0.01), judged("outlier-mixture", 1.0, 0.01)
-    (line,) = other_noise_lines(thesis_comparison.axes["c"], (student, mixture))
+    line = noises_note(thesis_comparison.axes["c"], (student, mixture))
     assert "Gamma(shape 2, rate 0.1)" in line
     assert "log-uniform from 5 to 1000 px" in line

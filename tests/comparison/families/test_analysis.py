@@ -14,8 +14,8 @@ from bayescal.comparison.families.results import FamilyRequest
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.errors import InputError
-from bayescal.report.families import families_view, joint_fit_view
-from bayescal.report.render import render
+from bayescal.report.terminal import render
+from bayescal.report.views.families.views import brief, full
 from tests.helpers.cameras import turned_points
 
 
@@ -43,7 +43,7 @@ def test_an_axis_fitted_exactly_leaves_no_criteria(family):
     found = bc.fit_family(flat, family, (1,), position="free", ess=100)
     assert found.best.criteria == Criteria(found.best.criteria.n_parameters)
     assert np.isfinite(found.best.log_evidence)
-    assert "residuals of an axis are rounding" in render(joint_fit_view(found), terminal=False)
+    assert "residuals of an axis are rounding" in render(full(found), terminal=False)
 
 
 def test_chi_squared_of_joint_models_where_sigma_is_known():
@@ -68,7 +68,7 @@ def test_chi_squared_of_joint_models_where_sigma_is_known():
             chi2_distribution.sf(model.goodness.chi2, model.goodness.dof)
         )
     assert found["pinhole 0, position free"].goodness.dof == 2 * 57 - 10
-    shown = render(families_view(found), terminal=False)
+    shown = render(brief(found), terminal=False)
     assert f"{found.best.goodness.chi2:.1f} with {found.best.goodness.dof} dof" in shown
     assert bc.fit_family(points, "separable", (1, 1), ess=100).best.goodness is None
 
@@ -111,7 +111,7 @@ def test_families_under_robust_noise_are_on_one_scale(tmp_path):
         assert other.criteria.bic is None
         assert model.criteria.bic is not None
     heavy = bc.compare_families(bc.thesis(), ["separable"], [1], noise="student-t", **both)
-    shown = render(families_view(heavy), terminal=False)
+    shown = render(brief(heavy), terminal=False)
     assert max(len(line) for line in shown.splitlines()) <= 100
     assert "Student-t, nu ~ Gamma" in shown
     assert "above the rounding of whole readings (0.29 px)" in shown

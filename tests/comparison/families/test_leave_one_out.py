@@ -8,8 +8,8 @@ import pytest
 import bayescal as bc
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.prior.camera import position_prior
-from bayescal.report.families import families_view
-from bayescal.report.render import render
+from bayescal.report.terminal import render
+from bayescal.report.views.families.views import brief
 
 
 @pytest.mark.parametrize("which", ["middling", "heavy"])
@@ -46,13 +46,13 @@ def test_leave_one_out_is_that_of_fits_without_the_point(family, orders, which):
 
 def test_leave_one_out_is_marked_where_its_weights_fail(thesis_families):
     """The pinhole's own is good; with a heavy tail it is marked, and every difference to it."""
-    plain = render(families_view(thesis_families), terminal=False)
+    plain = render(brief(thesis_families), terminal=False)
     assert all(m.loo.reliable for m in thesis_families.models)
     assert "? marks" not in plain
     best = thesis_families.best
     heavy = replace(best, loo=replace(best.loo, pareto_k=np.array([0.8]), k_limit=0.7))
     marked = replace(thesis_families, models=(heavy, *thesis_families.models[1:]))
-    shown = render(families_view(marked), terminal=False)
+    shown = render(brief(marked), terminal=False)
     assert max(len(line) for line in shown.splitlines()) <= 100
     assert f" {best.loo.elpd:.1f}? " in shown
     assert "? marks an elpd" in shown

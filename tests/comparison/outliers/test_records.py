@@ -27,8 +27,8 @@ from bayescal.polynomials.separable import axis_data
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.document.outliers import outliers_document
 from bayescal.report.document.shared import schema
-from bayescal.report.outliers import outliers_view
-from bayescal.report.render import render
+from bayescal.report.terminal import render
+from bayescal.report.views.outliers import brief
 
 
 @pytest.fixture(scope="module")
@@ -137,10 +137,10 @@ def test_the_document_says_what_the_study_found_and_holds_no_nan(study):
 
 
 def test_what_is_printed_fits_100_columns_and_names_the_bad_points(study):
-    text = render(outliers_view(study), terminal=False)
+    text = render(brief(study), terminal=False)
     assert max(map(len, text.splitlines())) <= 100
     assert "points 16 and 19 share y = 0, z = 600" in text
-    whole = render(outliers_view(study, everything=True), terminal=False)
+    whole = render(brief(study, everything=True), terminal=False)
     assert len(whole.splitlines()) > len(text.splitlines()) + 40
 
 
@@ -155,4 +155,4 @@ def test_one_order_alone_has_no_rival():
     assert {p.log_bayes_factor_without for p in alone.axes["c"].points} == {None}
     document = json.loads(json.dumps(outliers_document(alone, "x"), allow_nan=False))
     jsonschema.validate(document, schema("outliers"))
-    assert "+inf" not in render(outliers_view(alone), terminal=False)
+    assert "+inf" not in render(brief(alone), terminal=False)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from bayescal.report.figures.autocorrelation import autocorrelation
+from bayescal.report.figures.comparison.autocorrelation import autocorrelation
+from bayescal.report.figures.comparison.trace import rank_differences
 from bayescal.report.figures.registry import KINDS
-from bayescal.report.figures.trace import rank_differences
 
 
 def test_traces_are_the_draws(thesis_comparison):
@@ -20,7 +20,7 @@ def test_traces_are_the_draws(thesis_comparison):
 
 
 def leaves_band(draws):
-    from bayescal.report.figures.trace import _bound
+    from bayescal.report.figures.comparison.trace import _bound
 
     return np.abs(rank_differences(draws)[1]).max() > _bound(*draws.shape)
 

@@ -18,7 +18,7 @@ from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.least_squares import factorise, solve
 from bayescal.noise.level import NoiseLevel
 from bayescal.polynomials.basis import legendre_design
-from bayescal.report.figures.qq import envelope
+from bayescal.report.figures.comparison.qq import envelope
 from bayescal.report.figures.registry import KINDS
 from bayescal.report.figures.style import BLUE, PALE, SKY
 from bayescal.report.figures.subject import amplitudes

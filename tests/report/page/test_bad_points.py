@@ -13,7 +13,7 @@ from playwright.sync_api import Browser
 import bayescal as bc
 from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.report.document.outliers import outliers_document
-from bayescal.report.figures import bad_points
+from bayescal.report.figures.registry import KINDS
 from bayescal.report.page.page import html, page_of
 from tests.helpers.command import here
 
@@ -73,9 +73,9 @@ def test_the_document_is_kept_whole(made: str, study: OutlierStudy):
 
 
 def test_the_figure_names_the_bad_points(study: OutlierStudy):
-    words = bad_points.alt_text(study.axes["c"])
+    words = KINDS["bad-points"].alt_text(study, "c")
     assert "16 (+14.5 px, >99.9%)" in words
-    figure = bad_points.draw(study.axes["c"])
+    figure = KINDS["bad-points"].draw(study, "c")
     named = {text.get_text() for text in figure.axes[0].texts}
     assert named == {p.label for p in study.axes["c"].bad}
     above, below = figure.axes

@@ -63,7 +63,7 @@ def test_it_holds_the_numbers_of_the_document(page: Path, families_run: Path) ->
 def test_every_figure_is_there_and_described(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     for kind in ("models", "vectors", "position", "correlation"):
-        figure = text[text.index(f'<figure id="figure-families-{kind}"') :]
+        figure = text[text.index(f'<figure id="figure-{kind}"') :]
         alt = re.search(r'alt="([^"]*)"', figure)
         assert alt is not None
         assert len(alt[1]) > 60

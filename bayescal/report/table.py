@@ -1,0 +1,96 @@
+"""Tables as values: made once, shown by a terminal and by a page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Column:
+    """What stands above a column, and what it means.
+
+    Attributes
+    ----------
+    head : str
+        As a terminal shows it.
+    note : str
+        What the column says, in a sentence without a full stop; empty where the head
+        says all.
+    title : str
+        As a page shows it; the head where empty.
+    """
+
+    head: str
+    note: str = ""
+    title: str = ""
+
+    @property
+    def shown(self) -> str:
+        """The head on a page."""
+        return self.title or self.head
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What is shown, and the number to sort by (None: nothing to sort by)."""
+
+    text: str
+    value: float | None = None
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of cells under columns; the first names the row.
+
+    Attributes
+    ----------
+    rows : tuple of tuple of Cell
+        One cell for each column.
+    marked : int or None
+        The row to stress.
+    by_order : bool
+        Whether rows are orders or models, so that the marked one is the recommended one.
+    spare : tuple of str
+        Heads of the columns a terminal leaves out, in this order, where the numbers
+        are so wide that not all fit.
+    """
+
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    marked: int | None = None
+    by_order: bool = False
+    spare: tuple[str, ...] = ()
+
+
+def order_table(
+    orders: Sequence[int],
+    columns: Sequence[Column],
+    rows: Sequence[Sequence[Cell]],
+    chosen: int | None,
+    *,
+    head: Column | None = None,
+    spare: Sequence[str] = (),
+) -> Table:
+    """Make a table of a row per order, the chosen one marked.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        After the one of the order.
+    rows : sequence of sequence of Cell
+        One row per order, without the order.
+    chosen : int or None
+        The recommended order.
+    head : Column, optional
+        Of the first column.
+    """
+    first = head or Column("order", "degree of the polynomial")
+    cells = [(Cell(str(k), k), *row) for k, row in zip(orders, rows, strict=True)]
+    marked = next((row for row, k in enumerate(orders) if k == chosen), None)
+    return Table((first, *columns), tuple(cells), marked, True, tuple(spare))
+
+
+def number_cell(value: float | None, form: Callable[[float], str]) -> Cell:
+    """Make a cell that shows a number and is sorted by it; blank where there is none."""
+    return Cell("") if value is None else Cell(form(value), value)

@@ -1,0 +1,1 @@
+"""What results look like to people: blocks that the terminal and the page lay out alike."""

@@ -1,0 +1,1 @@
+"""A comparison across families: its tables, its words and the view made of them."""

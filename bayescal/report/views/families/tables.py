@@ -1,0 +1,164 @@
+"""Models of r and c as tables: all compared, one model's parameters, their correlation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from bayescal.comparison.families.results import (
+    FamilyComparison,
+    JointModel,
+)
+from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
+from bayescal.comparison.verdict import percent
+from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.report.numbers import correlations, exact_parameters
+from bayescal.report.table import Cell, Column, Table, number_cell
+from bayescal.rounding import rounded, significant
+
+UNITS = {
+    "focal": "px",
+    "centre": "px",
+    "rotation": "deg",
+    "position": "world",
+    "sigma": "px",
+    "alpha": "px",
+    "beta": "px",
+    "tau": "of image",
+}
+# The most probable models, and the best of every family and position.
+LISTED = 12
+EXACT = 1e-5  # nat: an error below it is of rounding
+
+
+def unit_of(name: str) -> str:
+    """Say the unit of a parameter; nothing where it has none."""
+    return UNITS.get(name.split("_")[0], "")
+
+
+def shortlist(found: FamilyComparison) -> list[int]:
+    """Say which models a short table shows: the first, and the best of each kind."""
+    seen: set[tuple[str, str]] = set()
+    out = []
+    for i, model in enumerate(found.models):
+        kind = model.key.family, model.key.position
+        if i < LISTED or kind not in seen:
+            out.append(i)
+        seen.add(kind)
+    return out
+
+
+def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
+    """One row for each model listed, the most probable first."""
+    best = found.best
+    every = [m.criteria for m in found.models]
+    lowest_aic = min((c.aic for c in every if c.aic is not None), default=0.0)
+    lowest_bic = min((c.bic for c in every if c.bic is not None), default=0.0)
+    columns = (
+        Column("family"),
+        Column("order", "of r and of c in the separable family; radial coefficients of a pinhole"),
+        Column("position", "of the camera: exact as stated, or free to be inferred"),
+        Column("K", "coefficients, inferred sigmas and a free position"),
+        Column("dAIC", "Akaike's criterion less the smallest"),
+        Column("dBIC", "Schwarz's criterion less the smallest; n counts points"),
+        Column("ln Z", "natural logarithm of the evidence; !: not to be trusted"),
+        Column("+-", "its Monte Carlo error, nat; exact where it has a closed form", "± ln Z"),
+        Column("elpd", "leave-one-out, r and c of a point together; ?: not to be trusted"),
+        Column("+-", "its standard error", "± elpd"),
+        Column("d elpd", "less the most probable model's, with the paired error", "Δ elpd"),
+        Column("prob.", "posterior probability of the model", "probability"),
+    )
+    cells = []
+    for i in rows:
+        m = found.models[i]
+        flag = "" if m.sound else "!"
+        cells.append(
+            (
+                Cell(m.key.family),
+                Cell(m.key.order, float(m.key.orders[0])),
+                Cell(m.key.position),
+                Cell(str(m.criteria.n_parameters), m.criteria.n_parameters),
+                number_cell(m.criteria.aic, lambda v: f"{v - lowest_aic:.1f}"),
+                number_cell(m.criteria.bic, lambda v: f"{v - lowest_bic:.1f}"),
+                Cell(f"{m.log_evidence:.2f}{flag}", m.log_evidence),
+                Cell(error_words(m.log_evidence_error), m.log_evidence_error),
+                Cell("") if m.loo is None else Cell(elpd_words(m.loo), m.loo.elpd),
+                number_cell(None if m.loo is None else m.loo.se, lambda v: f"{v:.1f}"),
+                _difference(m, best),
+                Cell(percent(found.probabilities[i]), found.probabilities[i]),
+            )
+        )
+    return Table(columns, tuple(cells), 0, True, ("dAIC", "K"))
+
+
+def error_words(error: float) -> str:
+    """Error of a log evidence, to the digit that counts."""
+    return "exact" if error < EXACT else significant(error, 1)
+
+
+def elpd_words(loo: LeaveOneOut) -> str:
+    """Sum of the terms, marked where it should not be trusted."""
+    return f"{loo.elpd:.1f}" + "?" * (not loo.reliable)
+
+
+def _difference(model: JointModel, best: JointModel) -> Cell:
+    if model is best or model.loo is None or best.loo is None:
+        return Cell("")
+    total, se = paired_difference(model.loo, best.loo)
+    doubt = "" if model.loo.reliable and best.loo.reliable else "?"
+    return Cell(f"{total:+.1f}{doubt} ({se:.1f})", total)
+
+
+def parameters_table(model: JointModel) -> Table:
+    """Parameters of a model that was sampled, or that has a closed form."""
+    heads = [Column("unit"), Column("mean"), Column("sd"), Column("95% interval", "central")]
+    if model.posterior is None:
+        exact = exact_parameters(model)
+        rows = [_summary_cells(p.name, p.mean, p.sd, p.interval) for p in exact]
+        return Table((Column(f"{model.key} (exact)", title="parameter"), *heads), tuple(rows))
+    heads += [
+        Column("MCSE", "Monte Carlo standard error of the mean"),
+        Column("ESS", "the smaller of bulk and tail effective sample size"),
+        Column("R-hat", "rank-normalised and split, over independent ensembles"),
+    ]
+    cells = []
+    for p in model.posterior.parameters:
+        ess = min(p.ess_bulk, p.ess_tail)
+        cells.append(
+            (
+                *_summary_cells(p.name, p.mean, p.sd, p.interval),
+                Cell(significant(p.mcse_mean, 1), p.mcse_mean),
+                Cell(f"{ess:.0f}", ess),
+                Cell(f"{p.rhat:.3f}", p.rhat),
+            )
+        )
+    head = Column(str(model.key), title="parameter")
+    return Table((head, *heads), tuple(cells), spare=("MCSE",))
+
+
+def _summary_cells(
+    name: str, mean: float, sd: float, interval: tuple[float, float]
+) -> tuple[Cell, ...]:
+    low, high = interval
+    return (
+        Cell(name),
+        Cell(unit_of(name)),
+        Cell(rounded(mean, sd), mean),
+        Cell(significant(sd), sd),
+        Cell(f"{rounded(low, sd)} to {rounded(high, sd)}", high - low),
+    )
+
+
+def correlation_table(posterior: SampledPosterior) -> Table:
+    """Lower half of the correlation matrix."""
+    matrix = correlations(posterior)
+    numbers = [str(i + 1) for i in range(len(matrix))]
+    rows = [
+        (
+            Cell(f"{i + 1} {name}"),
+            *(Cell(f"{value:.2f}", value) for value in matrix[i, : i + 1].tolist()),
+            *(Cell("") for _ in range(len(matrix) - i - 1)),
+        )
+        for i, name in enumerate(posterior.names)
+    ]
+    columns = (Column("correlation"), *map(Column, numbers))
+    return Table(columns, tuple(rows), spare=tuple(numbers[::-1]))

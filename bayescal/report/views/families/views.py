@@ -1,0 +1,225 @@
+"""A comparison across families as people see it: what is printed, and the chapter of a page."""
+
+from __future__ import annotations
+
+from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.verdict import percent
+from bayescal.report.blocks import (
+    Answer,
+    Answers,
+    Block,
+    Blocks,
+    Details,
+    Facts,
+    Figure,
+    Listing,
+    Part,
+    Prose,
+    Section,
+    Tabled,
+    listed,
+)
+from bayescal.report.views.families.tables import (
+    correlation_table,
+    elpd_words,
+    models_table,
+    parameters_table,
+    shortlist,
+)
+from bayescal.report.views.families.words import (
+    about,
+    assumed_lines,
+    fit_words,
+    models_notes,
+    no_criteria,
+    power_words,
+    sampling_words,
+    weak_lines,
+)
+from bayescal.report.views.views import Views
+from bayescal.rounding import significant
+
+UNSOUND = "some draws did not converge, or an evidence should not be trusted; see the caveats."
+CAPTIONS = {
+    "models": "Log evidence of every model less the highest, one scale for all. Dark cells are "
+    "probable, the most probable model is framed; bold: not excluded at 95%.",
+    "vectors": "Residuals over the image, from predicted to measured, of the best model and of the "
+    "best under the other treatment of the camera position; lengths magnified alike.",
+    "position": "Posterior of the camera position by the best model of each family at a free "
+    "position; above each panel, mean ± sd of the most probable of them and the prior.",
+    "correlation": "Correlations of the parameters of the most probable model that was sampled.",
+}
+MEANINGS = (
+    "Angles (rotation) in degrees, a rotation vector about the stated orientation; position of "
+    "the camera in world units; focal lengths, principal point (centre), sigma and polynomial "
+    "coefficients in px; k: radial coefficients, without unit; tau: strength of the "
+    "non-linearity as a fraction of the image. Intervals are central, 95%."
+)
+
+
+def brief(found: FamilyComparison) -> Blocks:
+    """Everything that ``compare --family`` prints."""
+    told = _shown(found)[:1]
+    return (
+        *_header(found),
+        models(found, "--json has them"),
+        *verdict(found),
+        *(parameters(model) for model in told),
+        *sampling(found),
+    )
+
+
+def full(found: FamilyComparison) -> Blocks:
+    """Everything that ``fit --family`` prints: one model in full."""
+    model = found.best
+    lines = [*_numbers(model, found), *filter(None, [fit_words(model)])]
+    blocks: list[Block] = [*_header(found), Listing(tuple(lines)), *_caveats(found)]
+    if model.posterior is not None or model.exact:
+        blocks.append(parameters(model))
+    if model.posterior is not None:
+        table = correlation_table(model.posterior)
+        notes = tuple(weak_lines(model.posterior))
+        blocks.append(Tabled("families-correlation", "Correlations.", table, notes))
+    return (*blocks, *sampling(found))
+
+
+def section(found: FamilyComparison) -> Section:
+    """Show the verdict across families, its numbers, and the best models' parameters."""
+    blocks: list[Block] = [Answers(_answers(found)), *verdict(found), _figure(found, "models")]
+    table = models(found, "folded away below")
+    blocks.append(table)
+    if len(table.table.rows) < len(found.models):
+        every = models_table(found, range(len(found.models)))
+        table = Tabled("families-all", "Every model compared.", every)
+        blocks.append(Details("Every model compared", (table,)))
+    blocks.append(Part("What was assumed", (Facts(_assumed(found)),)))
+    blocks.append(Part("What is left over, over the image", (_figure(found, "vectors"),)))
+    blocks += [Part(f"Parameters of {m.key}", (parameters(m),)) for m in _shown(found)]
+    figures = _figure(found, "position"), _figure(found, "correlation")
+    together = (*figures, *_weak(found), *sampling(found))
+    blocks.append(Part("Camera position, and what moves together", together))
+    return Section(
+        "families",
+        "Families of models",
+        "Is it the order, or is it the model? The same pixels by other families, and with the "
+        "camera position inferred.",
+        tuple(blocks),
+    )
+
+
+VIEWS = Views(
+    lambda _: "The order, or the model? Families of camera models compared",
+    about,
+    brief,
+    full,
+    lambda found: [found.verdict.text],
+    {"families": section},
+    UNSOUND,
+)
+
+
+def _header(found: FamilyComparison) -> Blocks:
+    return (*listed(about(found), "about"), Facts(tuple(assumed_lines(found))))
+
+
+def _assumed(found: FamilyComparison) -> tuple[tuple[str, str], ...]:
+    x, y, z = found.points.setup.position
+    camera = ("camera", f"stated at ({x:g}, {y:g}, {z:g}), world units")
+    return (camera, *assumed_lines(found))
+
+
+def models(found: FamilyComparison, rest: str) -> Tabled:
+    """Show the most probable models; `rest` says where the others are."""
+    rows = shortlist(found)
+    known = [m.criteria.bic for m in found.models if m.criteria.bic is not None]
+    criteria = no_criteria(found)
+    if known:
+        criteria = f"dBIC above {min(known):.2f}, n counts points ({len(found.points)})."
+    legend = (
+        f"K counts what is inferred but tau; {criteria}",
+        "elpd: leave-one-out, r and c of a point together; +- its standard error; d elpd against "
+        "the best, with the paired one.",
+    )
+    caption = "Models of r and c together, the most probable first."
+    notes = tuple(models_notes(found, rows, rest))
+    return Tabled("families-models", caption, models_table(found, rows), notes, legend)
+
+
+def verdict(found: FamilyComparison) -> Blocks:
+    """Say in words what was found, with its caveats."""
+    return Prose(found.verdict.text, lead="Verdict across families"), *_caveats(found)
+
+
+def _caveats(found: FamilyComparison) -> Blocks:
+    return listed([f"{caveat}." for caveat in found.verdict.caveats], "caveat")
+
+
+def parameters(model: JointModel) -> Tabled:
+    """Show the posterior of a model's parameters."""
+    how = "in closed form" if model.posterior is None else "from draws of emcee"
+    caption = f"Posterior of the parameters of {model.key}, {how}."
+    notes = (*power_words(model), MEANINGS)
+    id = f"families-{model.key.file(model.key.noise)}"
+    return Tabled(id, caption, parameters_table(model), notes)
+
+
+def sampling(found: FamilyComparison) -> Blocks:
+    """Say how the sampling of all models went; nothing where none was sampled."""
+    words = sampling_words(found)
+    said = (Prose(words, lead="Sampling"),) if words else ()
+    return said if found.sound else (*said, Prose(UNSOUND, lead="NOT SOUND"))
+
+
+def _numbers(model: JointModel, found: FamilyComparison) -> tuple[str, str]:
+    """Give what is one number about a model."""
+    error = significant(model.log_evidence_error, 1)
+    evidence = f"{model.log_evidence:.3f} " + ("(closed form)" if model.exact else f"+- {error}")
+    known, criteria = model.criteria, no_criteria(found)
+    if known.log_likelihood is not None:
+        criteria = (
+            f"ln L maximised {known.log_likelihood:.3f}, AIC {known.aic:.2f}, BIC {known.bic:.2f}"
+        )
+    loo = "" if model.loo is None else f"; elpd {elpd_words(model.loo)} +- {model.loo.se:.1f}"
+    return f"{model.key}: K = {known.n_parameters}, {criteria}", f"ln evidence {evidence}{loo}"
+
+
+def _answers(found: FamilyComparison) -> tuple[Answer, Answer]:
+    """Say in large type what was found."""
+    best, verdict = found.best.key, found.verdict
+    standing = f"{percent(found.probabilities[0])} probable"
+    others = len(verdict.plausible) - 1
+    if len(found.models) == 1:
+        standing = "the only one compared"
+    elif verdict.decided:
+        standing += "; decided at 95%"
+    else:
+        standing += f"; {others} other{'s' * (others > 1)} not excluded"
+    order = f"({best.order})" if len(best.orders) > 1 else best.order
+    x, y, z = found.best.position
+    where = f"at ({x:.4g}, {y:.4g}, {z:.4g}) it fits best"
+    if len(verdict.positions) > 1:
+        where += f"; {percent(verdict.positions[best.position])} over all models"
+    return (
+        Answer("model of r and c", f"{best.family} {order}", standing),
+        Answer("camera position", best.position, where),
+    )
+
+
+def _shown(found: FamilyComparison) -> list[JointModel]:
+    """Give the most probable model whose parameters are known, and the first that was sampled."""
+    known = [m for m in found.models if m.posterior is not None or m.exact][:1]
+    sampled = [m for m in found.models if m.posterior is not None][:1]
+    return known if sampled == known else [*known, *sampled]
+
+
+def _weak(found: FamilyComparison) -> Blocks:
+    """Name combinations that the data hardly tell apart, of the first model that was sampled."""
+    for model in found.models:
+        if model.posterior is not None:
+            none = f"No combination of parameters of {model.key} is weakly identified."
+            return listed(weak_lines(model.posterior) or [none])
+    return ()
+
+
+def _figure(found: FamilyComparison, name: str) -> Figure:
+    return Figure(name, found, CAPTIONS[name])

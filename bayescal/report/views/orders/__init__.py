@@ -1,0 +1,1 @@
+"""A comparison of orders: one module per topic; `bayescal.report.views.comparison` lists them."""

@@ -1,0 +1,260 @@
+"""An analysis of bad points as people see it: which points, and whether they choose the order."""
+
+from __future__ import annotations
+
+from bayescal.comparison.outliers.records import PointRecord
+from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
+from bayescal.comparison.verdict import percent
+from bayescal.report.blocks import (
+    Block,
+    Blocks,
+    Details,
+    Facts,
+    Figure,
+    Listing,
+    Part,
+    Prose,
+    Section,
+    Tabled,
+)
+from bayescal.report.table import Cell, Column, Table, number_cell
+from bayescal.report.views.views import Views
+from bayescal.report.views.words import MARK, floor_words, prior_words, shape_words
+from bayescal.rounding import counted
+
+# Points shown of each axis beside the suspicious ones, unless all are asked for.
+SHOWN = 8
+NAME = 14  # characters of a label in a table
+UNSOUND = f"{MARK} marks an evidence that should not be trusted, or chains that did not converge."
+
+
+def brief(study: OutlierStudy, *, everything: bool = False) -> Blocks:
+    """Everything that ``outliers`` prints; every point where asked for."""
+    blocks: list[Block] = [Listing(tuple(about(study)), "about")]
+    for axis in study.axes.values():
+        shown = points(axis, study, everything=everything)
+        blocks.append(Part(_title(axis), (shown, explained(axis), treatments(axis), verdict(axis))))
+    return (*blocks, *(() if study.sound else (Prose(UNSOUND, lead="NOT SOUND"),)))
+
+
+def section(study: OutlierStudy) -> Section:
+    """Show each axis's bad points in words, picture and numbers, and the orders without them."""
+    return Section(
+        "bad-points",
+        "Bad points",
+        "Which readings should be looked at again, and would the order have been another without "
+        "them?",
+        tuple(Part(_title(axis), _blocks(axis, study)) for axis in study.axes.values()),
+    )
+
+
+def about(study: OutlierStudy) -> list[str]:
+    """Name the points."""
+    return [f"{len(study.points)} points from {study.points.source}"]
+
+
+def headlines(study: OutlierStudy) -> list[str]:
+    """Give the verdict of each axis."""
+    return [f"{name}: {axis.verdict}" for name, axis in study.axes.items()]
+
+
+VIEWS = Views(
+    lambda _: "Bad points of a camera calibration",
+    about,
+    brief,
+    lambda study: brief(study, everything=True),
+    headlines,
+    {"bad points": section},
+    UNSOUND,
+)
+
+
+def _title(axis: AxisOutliers) -> str:
+    return f"Bad points of {axis.data.axis} as a polynomial of {axis.data.regressor}"
+
+
+def _blocks(axis: AxisOutliers, study: OutlierStudy) -> Blocks:
+    name, (heavy, mixture) = axis.data.axis, study.noises
+    every = Tabled(f"all-points-{name}", f"Every point of {name}.", points_table(axis))
+    assumed = (
+        ("sigma", axis.noise_source),
+        ("heavy tails", shape_words(heavy, axis.data)),
+        ("bad points", shape_words(mixture, axis.data)),
+        ("prior", prior_words(axis.prior)),
+    )
+    figure = Figure(
+        "bad-points",
+        study,
+        f"Residuals of {name} at order {axis.order}, and the probability that each point is "
+        "bad under the outlier mixture.",
+        name,
+    )
+    shown = points(axis, study)
+    folded = len(shown.table.rows) < len(axis.points)
+    return (
+        verdict(axis),
+        explained(axis),
+        figure,
+        shown,
+        *((Details(f"Every point of {name}", (every,)),) if folded else ()),
+        treatments(axis),
+        Facts(assumed),
+    )
+
+
+def explained(axis: AxisOutliers) -> Listing:
+    """Say what is known of the suspicious points."""
+    lines = axis.explanations or ("no point is suspicious",)
+    return Listing(tuple(f"{line[0].upper()}{line[1:].rstrip('.')}." for line in lines))
+
+
+def points(axis: AxisOutliers, study: OutlierStudy, *, everything: bool = False) -> Tabled:
+    """Show the most suspicious points, or every one."""
+    name, shown = axis.data.axis, points_table(axis, everything=everything)
+    suspicious = {p.index for p in axis.suspicious}
+    return Tabled(
+        f"bad-points-{name}",
+        f"The most suspicious points of {name} at order {axis.order}; suspicious ones are marked.",
+        shown,
+        (footnote(axis, study.significance),),
+        legend=_hidden(axis, len(shown.rows)),
+        flagged=frozenset(i for i, row in enumerate(shown.rows) if row[0].value in suspicious),
+    )
+
+
+def verdict(axis: AxisOutliers) -> Prose:
+    """Say whether the bad points choose the order."""
+    return Prose(axis.verdict, lead=f"Verdict on {axis.data.axis}")
+
+
+def treatments(axis: AxisOutliers) -> Tabled:
+    """Show the orders under each treatment of bad points."""
+    name = axis.data.axis
+    notes = (
+        "ln Z of each order. Evidences of fewer points are of other data: on that line orders can "
+        "be compared, noise models can't.",
+        *(() if axis.sound else (UNSOUND,)),
+    )
+    caption = f"Log evidence of the orders of {name} under each treatment of bad points."
+    return Tabled(f"treatments-{name}", caption, treatments_table(axis), notes)
+
+
+def points_table(axis: AxisOutliers, *, everything: bool = True) -> Table:
+    """Make a row for each point, the most suspicious first.
+
+    Parameters
+    ----------
+    everything : bool, optional
+        Whether to show every point, or the suspicious ones and a few more.
+    """
+    unit = "y" if axis.data.axis == "y" else "px"
+    shown = axis.points if everything else axis.points[: max(len(axis.suspicious) + 2, SHOWN)]
+    winner = axis.treatments[0].order
+    columns = (
+        Column("point"),
+        Column("y" if unit == "y" else f"{axis.data.axis} px", "measured"),
+        Column(f"residual {unit}", "measured less least squares"),
+        Column("standard.", "residual over its own sd, sigma from the other points"),
+        Column("leverage", "0 to 1: how far the point fixes its own prediction"),
+        Column("Cook", "Cook's distance"),
+        Column("rejected", "orders at which the chi-squared test removes the point"),
+        Column("P(bad)", "posterior probability of being bad, under the mixture"),
+        Column("weight t", "share of a good point's precision that Student-t noise leaves it"),
+        Column("ln B without", f"of order {winner} against the best other, without the point"),
+    )
+    return Table(
+        columns,
+        tuple(_row(point, winner) for point in shown),
+        spare=("leverage", "weight t"),
+    )
+
+
+def _row(point: PointRecord, winner: int) -> tuple[Cell, ...]:
+    label = point.label if len(point.label) <= NAME else point.label[: NAME - 1] + "…"
+    # A number of more than 0 says that the order still wins.
+    changed = "" if point.order_without == winner else f" ({point.order_without} wins)"
+    return (
+        Cell(label, point.index),
+        Cell(f"{point.measured:.6g}", point.measured),
+        Cell(f"{point.residual:+.3g}", point.residual),
+        number_cell(point.standardised, lambda v: f"{v:+.1f}"),
+        Cell(f"{point.leverage:.2f}", point.leverage),
+        number_cell(point.cook, lambda v: f"{v:.2f}" if v >= 0.005 else "0.00"),
+        Cell(_span(point.rejected_at), len(point.rejected_at)),
+        Cell(percent(point.bad_probability), point.bad_probability),
+        Cell(f"{point.weight:.2f}", point.weight),
+        number_cell(point.log_bayes_factor_without, lambda v: f"{v:+.1f}{changed}"),
+    )
+
+
+def _span(orders: tuple[int, ...]) -> str:
+    if len(orders) > 1 and orders == tuple(range(orders[0], orders[-1] + 1)):
+        return f"{orders[0]}-{orders[-1]}"
+    return ",".join(map(str, orders))
+
+
+def footnote(axis: AxisOutliers, significance: float) -> str:
+    """Say what the table of the points does not."""
+    winner = axis.treatments[0]
+    values = winner.log_evidence
+    rest = [v for k, v in values.items() if k != winner.order]
+    words = (
+        f"Residuals of order {axis.order}, sigma {axis.noise_source}. P(bad): outlier mixture; "
+        "weight t: Student-t noise; rejected: chi-squared test, "
+        f"{100 * significance:g} % for all points together. ± of a prediction: of the model, "
+        f"without the noise of a reading.{floor_words(axis.data, axis.level)}"
+    )
+    if not rest:
+        return words
+    return (
+        f"{words} ln B without: of order {winner.order} under Gaussian noise, "
+        f"{values[winner.order] - max(rest):+.1f} with all points."
+    )
+
+
+def _hidden(axis: AxisOutliers, shown: int) -> tuple[str, ...]:
+    """Say how bad the points are that a short table leaves out."""
+    others = axis.points[shown:]
+    if not others:
+        return ()
+    largest = max(abs(p.standardised or 0.0) for p in others)
+    most = max(p.bad_probability for p in others)
+    return (
+        f"The other {counted(len(others), 'point')}: at most {largest:.1f} standard deviations, "
+        f"P(bad) at most {percent(most)}; --all shows them.",
+    )
+
+
+def treatments_table(axis: AxisOutliers) -> Table:
+    """Compare the orders under each way of treating bad points."""
+    orders = list(axis.treatments[0].log_evidence)
+    columns = (
+        Column("bad points"),
+        Column("n", "points"),
+        *(Column(f"order {k}", f"log evidence of order {k}") for k in orders),
+        Column("wins"),
+        Column("prob.", "posterior probability of the order that wins"),
+        Column("all orders", "log evidence of the noise model, orders equally probable"),
+    )
+    return Table(columns, tuple(_treatment(axis, t, orders) for t in axis.treatments))
+
+
+def _treatment(axis: AxisOutliers, found: Treatment, orders: list[int]) -> tuple[Cell, ...]:
+    whole = found.n_points == len(axis.data)
+    cells = [
+        Cell(f"{found.log_evidence[k]:.1f}{MARK * (k in found.warnings)}", found.log_evidence[k])
+        for k in orders
+    ]
+    name = (
+        found.name.replace("Gaussian noise without", "without")
+        .replace("Gaussian noise, nothing eliminated", "none eliminated")
+        .replace("the outlier mixture", "mixture")
+    )
+    return (
+        Cell(name),
+        Cell(str(found.n_points), found.n_points),
+        *cells,
+        Cell(str(found.order), found.order),
+        Cell(percent(found.probability[found.order]), found.probability[found.order]),
+        Cell(f"{found.total:.1f}", found.total) if whole else Cell(""),
+    )

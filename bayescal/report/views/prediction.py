@@ -1,0 +1,160 @@
+"""Predictions as a table, a document and a file of rows."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from bayescal.points.partial import PartialTable
+from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.columns import prediction_columns
+from bayescal.prediction.predict import Prediction
+from bayescal.report.blocks import Blocks, Listing, Tabled
+from bayescal.report.table import Cell, Column, Table
+from bayescal.rounding import counted, rounded, significant
+from bayescal.version import __version__
+
+SHOWN = 30  # rows on a terminal
+SCHEMA = "bayescal-prediction-1"
+
+
+def prediction_rows(table: PartialTable, found: Prediction) -> dict[str, Any]:
+    """Columns of the file: what was asked, then what was found."""
+    asked = {name: table.values[name] for name in "xyz"}
+    return {"label": list(table.labels), **asked, **prediction_columns(found)}
+
+
+def rows_text(columns: Mapping[str, Any]) -> str:
+    """Rows as CSV: ten significant digits, and nothing where there is no number."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(columns)
+    for row in zip(*columns.values(), strict=True):
+        writer.writerow([value if isinstance(value, str) else _digits(value) for value in row])
+    return stream.getvalue()
+
+
+def rows_document(
+    schema: str, camera: CalibratedCamera, columns: Mapping[str, Any], command: str, **facts: Any
+) -> str:
+    """Rows as a JSON document, with the models they come from."""
+    members, weights = camera.used
+    rows = [
+        {name: _json(value) for name, value in zip(columns, row, strict=True)}
+        for row in zip(*columns.values(), strict=True)
+    ]
+    document = {
+        "schema": schema,
+        "provenance": {"bayescal": __version__, "command": command},
+        "models": [
+            {"name": m.name, "probability": p} for m, p in zip(members, weights, strict=True)
+        ],
+        "averaged": camera.averaged,
+        "covered": camera.covered,
+        **facts,
+        "rows": rows,
+    }
+    return json.dumps(document, indent=1, allow_nan=False) + "\n"
+
+
+def _json(value: Any) -> Any:
+    if isinstance(value, str):
+        return value
+    return float(value) if np.isfinite(value) else None
+
+
+def _digits(value: float) -> str:
+    return f"{value:.10g}" if np.isfinite(value) else ""
+
+
+def prediction_view(camera: CalibratedCamera, table: PartialTable, found: Prediction) -> Blocks:
+    """Show predictions and what they rest on."""
+    percent = f"{100 * found.probability:g} %"
+    columns = (
+        Column("point"),
+        *(Column(f"{a} [px]") for a in "rc"),
+        *(Column(f"sd {a}") for a in "rc"),
+        *(Column(f"new sd {a}") for a in "rc"),
+        *(Column(f"{a}, {percent}") for a in "rc"),
+        Column(""),
+    )
+    remarks = [_short(text) for text in prediction_columns(found)["note"]]
+    rows = []
+    for i in range(min(len(found), SHOWN)):
+        mean, new = found.mean[i], found.new_sd[i]
+        label = Cell(clipped(table.labels[i]))
+        if not found.seen[i]:
+            rows.append((label, *[Cell("")] * 8, Cell(remarks[i])))
+            continue
+        rows.append(
+            (
+                label,
+                *(Cell(rounded(m, s)) for m, s in zip(mean, found.sd[i], strict=True)),
+                *(Cell(significant(s)) for s in found.sd[i]),
+                *(Cell(significant(s)) for s in new),
+                *(
+                    Cell(f"{rounded(a, s)}..{rounded(b, s)}")
+                    for a, b, s in zip(found.lower[i], found.upper[i], new, strict=True)
+                ),
+                Cell(remarks[i]),
+            )
+        )
+    shown = Table(columns, tuple(rows), spare=(columns[-3].head, columns[-2].head))
+    return (
+        Listing((f"{counted(len(found), 'point')}, {models_words(camera)}",), "about"),
+        Tabled("predictions", "Predictions.", shown, tuple(_lines(camera, found))),
+    )
+
+
+def _short(remark: str) -> str:
+    return "not seen" if remark.startswith("behind") else remark.replace(" the image", "")
+
+
+def clipped(label: str, most: int = 14) -> str:
+    """Shorten a label that would take a table's width."""
+    return label if len(label) <= most else label[: most - 1] + "…"
+
+
+def models_words(camera: CalibratedCamera) -> str:
+    """Which models the answers come from."""
+    members, weights = camera.used
+    if len(members) > 1:
+        shown = [f"{m.name} {100 * w:.0f} %" for m, w in zip(members, weights, strict=True)]
+        more = f"; and {len(shown) - 4} more" if len(shown) > 4 else ""
+        return f"averaged over {len(members)} plausible models: {'; '.join(shown[:4])}{more}"
+    rest = len(camera.members) - 1
+    others = f" ({counted(rest, 'other model')} can't be excluded: --average)" if rest else ""
+    return f"by {members[0].name}{others}"
+
+
+def _lines(camera: CalibratedCamera, found: Prediction) -> list[str]:
+    shown = min(len(found), SHOWN)
+    lines = []
+    if shown < len(found):
+        lines.append(f"and {counted(len(found) - shown, 'more point')} (--out FILE has all)")
+    lines.append(
+        f"sd: of the mapping ({found.method}); new sd: of a new measurement, with its noise; "
+        f"central {100 * found.probability:g} % interval of a new measurement."
+    )
+    seen = found.seen
+    if len(camera.used[0]) > 1 and seen.any():
+        worst = significant(float(found.between[seen].max()))
+        lines.append(f"Between the models: an sd of at most {worst} px, part of sd.")
+    flags = (
+        (~seen, "behind the camera, or beyond the lens's reach"),
+        (found.outside, "outside the image"),
+        (found.extrapolated, "beyond where points were calibrated with (extrapolated)"),
+    )
+    lines += [f"{counted(int(f.sum()), 'point')} {what}." for f, what in flags if f.any()]
+    return [*lines, *found.notes]
+
+
+def bad_rows(problems: Sequence[str], most: int = 20) -> list[str]:
+    """Complaints about rows, and how many more there are."""
+    more = len(problems) - most
+    return [*problems[:most], *([f"and {counted(more, 'more bad row')}"] if more > 0 else [])]

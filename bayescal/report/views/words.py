@@ -1,0 +1,91 @@
+"""Noise and prior of an axis in words, whatever they are."""
+
+from __future__ import annotations
+
+from bayescal.comparison.results import AxisComparison
+from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
+from bayescal.noise.model import NoiseModel
+from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.student_t import RATE, SHAPE, StudentT
+from bayescal.polynomials.axis_data import AxisData
+from bayescal.prior.amplitudes import PriorRule
+
+# Beside a number whose evidence should not be trusted.
+MARK = "?"
+NU_PRIOR = f"~ Gamma(shape {SHAPE:g}, rate {RATE:g})"
+
+
+def noise_words(axis: AxisComparison) -> str:
+    """Name the noise model with its priors, and where its level comes from."""
+    words, level = shape_words(axis.noise_model, axis.data), axis.noise_source
+    own = "its scale " if isinstance(axis.noise_model, StudentT) else ""
+    joint = ";" if axis.noise_model.parameters or own else ","
+    return f"{words}{joint} {own}sigma {level}{level_words(axis.noise)}"
+
+
+def shape_words(noise: NoiseModel, data: AxisData | None = None) -> str:
+    """Say what a noise model is, with its priors."""
+    unit = "units of y" if data is not None and data.axis == "y" else "px"
+    if isinstance(noise, StudentT):
+        return f"Student-t, nu {NU_PRIOR if noise.nu is None else f'= {noise.nu:g}'}"
+    if isinstance(noise, OutlierMixture):
+        lower, upper = noise.width_bounds
+        offset = "of an offset ~ N(0, width²)" if noise.infers_offset else "without offset"
+        return (
+            f"mixture of good points and bad ones, whose fraction is uniform from 0 to "
+            f"{noise.largest_fraction:g} and which are wider by a width, log-uniform from "
+            f"{lower:.4g} to {upper:.4g} {unit}, {offset}"
+        )
+    return "Gaussian"
+
+
+def level_words(level: NoiseLevel) -> str:
+    """Say what an inferred sigma's prior is; nothing where sigma is known."""
+    if level.bounds is None:
+        return ""
+    name, unit = level.parameter, "" if level.source == "scale" else " px"
+    bounds = "uniform from {:.4g} to {:.4g}".format(*level.bounds)
+    ruled_out = f"; below, ruled out by whole-pixel rounding, {1 - level.mass:.0%} of the prior"
+    return f" (ln {name} {bounds}{unit}{ruled_out if level.mass < 1 else ''})"
+
+
+def floor_words(data: AxisData, level: NoiseLevel) -> str:
+    """Say where robust noise rules out part of sigma's prior that Gaussian noise keeps."""
+    if data.axis == "y" or level.on_readings(data.t, data.sd).mass == 1:
+        return ""
+    return (
+        f" Robust noise rules out sigma below the rounding of whole pixels, {WHOLE_PIXEL:.2g} px; "
+        "above it the prior is the same."
+    )
+
+
+def prior_words(rule: PriorRule) -> str:
+    """Name a prior and its numbers."""
+    if rule.name == "flat":
+        return "flat; improper, so that there is no evidence and no probability of an order"
+    if rule.name == "stated":
+        return "stated in the setup: a normal for each Legendre amplitude"
+    half = f"{rule.size / 2:g}"
+    low, high = rule.tau_bounds
+    tau = (
+        f"= {rule.tau:g}"
+        if rule.tau is not None
+        else f"inferred, log-uniform {low:.3g} to {high:g} ({low * rule.size:.3g} to "
+        f"{high * rule.size:.4g} px)"
+    )
+    return (
+        f"field; b0 ~ N({rule.centre:g}, {half}), b1 ~ N(0, {half}), bj ~ N(0, tau * "
+        f"{rule.size:g}) px; tau {tau}"
+    )
+
+
+def p_words(value: float) -> str:
+    """Probability of a tail, to three digits."""
+    if value < 0.001:
+        return "<0.001"
+    return f"{value:.3f}"
+
+
+def one_decimal(value: float) -> str:
+    """Format with one decimal, or three digits where that would be too wide."""
+    return f"{value:.1f}" if abs(value) < 1e5 else f"{value:.3g}"
