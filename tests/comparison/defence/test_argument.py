@@ -287,8 +287,8 @@ def test_every_number_of_the_text_is_in_the_result_document(weak_curve, one_bad_
 
 def test_a_number_that_is_not_in_the_document_would_show(weak_curve):
     """Negative control: 2 ln B and the lead of leave-one-out, both far off."""
-    text = weak_curve.verdict.text
+    text = "\n".join(weak_curve.verdict.sentences)
     wrong = re.sub(r"2 ln B = [\d.]+", "2 ln B = 7777.7", text)
-    wrong = re.sub("(ahead|behind) by ", r"\\1 by 88", wrong, count=1)
-    verdict = dataclasses.replace(weak_curve.verdict, text=wrong)
+    wrong = re.sub("(ahead|behind) by ", r"\1 by 88", wrong, count=1)
+    verdict = dataclasses.replace(weak_curve.verdict, sentences=tuple(wrong.split("\n")))
     assert len(unexplained(dataclasses.replace(weak_curve, verdict=verdict))) == 2
