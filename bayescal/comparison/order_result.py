@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
+from bayescal.comparison import convert
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.judged import Judged
 from bayescal.inference.posterior import Posterior
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.linear.least_squares import LeastSquaresFit
+from bayescal.polynomials.axis_data import AxisData
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -18,6 +24,8 @@ class OrderResult(Judged):
 
     Attributes
     ----------
+    data : AxisData
+        What it is of.
     fit : LeastSquaresFit
         Least squares: of maximum likelihood where the noise is Gaussian.
     rss_px2 : float
@@ -29,6 +37,7 @@ class OrderResult(Judged):
         Draws and their summaries, beside the closed form where there is one.
     """
 
+    data: AxisData
     fit: LeastSquaresFit
     rss_px2: float
     goodness: GoodnessOfFit
@@ -44,6 +53,25 @@ class OrderResult(Judged):
     def exact(self) -> ExactPosterior | None:
         """The closed form; None where the noise leaves none."""
         return self.posterior.exact
+
+    def summary(self) -> pd.DataFrame:
+        """Parameters in a data frame: mean, sd, 95 % interval, diagnostics, closed form."""
+        return convert.parameters_frame(self)
+
+    def covariance(self) -> pd.DataFrame:
+        """Posterior covariance of the parameters, in a data frame."""
+        return convert.covariance_frame(self)
+
+    def to_arviz(self) -> Any:
+        """Draws, pointwise log likelihood and data for ArviZ: ``az.loo``, ``az.compare``.
+
+        Returns
+        -------
+        xarray.DataTree
+            With the groups ``posterior``, ``log_likelihood`` and ``observed_data``;
+            ``arviz.InferenceData`` where an ArviZ before 1.0 is installed.
+        """
+        return convert.arviz_of(self)
 
     def __repr__(self) -> str:
         chance = "" if self.probability is None else f", probability {self.probability:.3f}"

@@ -60,6 +60,7 @@ class _Order:
     ) -> OrderResult:
         return OrderResult(
             key=self.key,
+            data=self.axis.data,
             log_evidence=posterior.log_evidence,
             log_evidence_error=posterior.log_evidence_error,
             warnings=posterior.warnings,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from bayescal.comparison import convert
 from bayescal.comparison.averaging import AveragedPrediction
 from bayescal.comparison.findings.surroundings import another_model
 from bayescal.comparison.goodness import ReferenceSigma
@@ -20,6 +22,8 @@ from bayescal.prior.amplitudes import PriorRule
 from bayescal.rounding import plain, significant
 
 if TYPE_CHECKING:  # a plain comparison does not pay for the defence
+    import pandas as pd
+
     from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.defence.results import Defence
     from bayescal.comparison.defence.world_units import WorldUnit
@@ -71,6 +75,19 @@ class AxisComparison:
     world_units: tuple[WorldUnit, ...] = ()
     noise_model: NoiseModel = GAUSSIAN
     averaged: AveragedPrediction | None = None
+
+    def __iter__(self) -> Iterator[OrderResult]:
+        return iter(self.orders)
+
+    def __len__(self) -> int:
+        return len(self.orders)
+
+    def __contains__(self, order: object) -> bool:
+        return order in self.orders or order in {result.order for result in self.orders}
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Orders in a data frame of pandas, a row each."""
+        return convert.orders_frame((self.data.axis, found) for found in self)
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:
@@ -154,6 +171,32 @@ class Comparison:
             for name, axis in self.axes.items()
         }
         return replace(self, axes=axes, hint=hint)
+
+    def __iter__(self) -> Iterator[AxisComparison]:
+        return iter(self.axes.values())
+
+    def __len__(self) -> int:
+        return len(self.axes)
+
+    def __contains__(self, axis: object) -> bool:
+        return axis in self.axes
+
+    def __getitem__(self, axis: str) -> AxisComparison:
+        try:
+            return self.axes[axis]
+        except KeyError:
+            names = ", ".join(self.axes)
+            raise KeyError(f"axis {axis!r} was not compared; axes: {names}") from None
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Orders of every axis in a data frame of pandas, a row each."""
+        return convert.orders_frame((axis.data.axis, found) for axis in self for found in axis)
+
+    def summary(self) -> pd.DataFrame:
+        """Parameters of each axis's recommended order in a data frame of pandas."""
+        import pandas as pd
+
+        return pd.concat({axis.data.axis: axis.chosen.summary() for axis in self}, names=["axis"])
 
     @property
     def seed(self) -> int:

@@ -9,6 +9,8 @@ from __future__ import annotations
 import io
 import json
 from dataclasses import dataclass
+from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -168,6 +170,24 @@ def pareto_shape(log_weights: Array) -> float:
             return np.inf
     k = float(np.asarray(shape))
     return k if np.isfinite(k) else np.inf
+
+
+def arviz_object(groups: dict[str, dict[str, Array]]) -> Any:
+    """Make what the installed ArviZ works on: a DataTree, or InferenceData before 1.0.
+
+    Parameters
+    ----------
+    groups : dict of str to dict of str to Array
+        As in `Draws`; ``log_likelihood`` has the dimension of ``observed_data``.
+    """
+    dims = {name: ["point"] for name in groups.get("observed_data", {})}
+    if find_spec("arviz") is not None and version("arviz").startswith("0."):
+        import arviz
+
+        return arviz.from_dict(**groups, dims=dims)
+    import arviz_base
+
+    return arviz_base.from_dict(groups, dims=dims)
 
 
 @dataclass(frozen=True, eq=False)

@@ -207,6 +207,7 @@ def result_of(posterior):
         log_evidence=posterior.log_evidence,
         log_evidence_error=posterior.log_evidence_error,
         posterior=posterior,
+        data=generic_axis(np.arange(3.0), np.arange(3.0)),
         fit=fit,
         rss_px2=0.0,
         goodness=none,
