@@ -112,9 +112,9 @@ def _compare(
 ) -> AxisComparison:
     """Judge every order of an axis, and form the verdict."""
     axis.check_resolved()
-    data, shape = axis.data, settings.noise_model(axis.data)
+    data, shape = axis.data, axis.shape
     reference = NO_REFERENCE
-    if not settings.choice.robust:
+    if shape.name == GAUSSIAN.name:
         replicates = pure_error(data.x, around.other, data.t, data.sd)
         reference = reference_sigma(axis.noise, axis.fit(axis.highest), replicates)
     candidates = [order_of(axis, k, shape, reference) for k in orders]
@@ -191,7 +191,7 @@ def _defended(
         argue(verdict, defence, criteria, axis.data.size), plain.chosen, defence.noises
     )
     whole = replace(plain, verdict=argued, defence=defence)
-    return whole if settings.choice.robust else _tested(whole, around, rng)
+    return _tested(whole, around, rng) if shape.name == GAUSSIAN.name else whole
 
 
 def _tested(plain: AxisComparison, around: _Around, rng: np.random.Generator) -> AxisComparison:

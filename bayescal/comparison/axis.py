@@ -11,7 +11,9 @@ from bayescal.arrays import Array
 from bayescal.comparison.settings import Settings, check_resolved, noise_level, prior_rule
 from bayescal.linear.least_squares import Factorisation, LeastSquaresFit, factorise, solve
 from bayescal.linear.model import LinearModel
+from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.level import NoiseLevel
+from bayescal.noise.model import NoiseModel
 from bayescal.points.setup import StatedPrior
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import CoefficientPrior, PriorRule
@@ -32,6 +34,8 @@ class Axis:
     family : str
     highest : int
         The highest order compared, at which the points are factorised.
+    shape : NoiseModel
+        Of the noise about its level.
     """
 
     data: AxisData
@@ -40,6 +44,7 @@ class Axis:
     rule: PriorRule
     family: str
     highest: int
+    shape: NoiseModel = GAUSSIAN
 
     @classmethod
     def of(
@@ -62,7 +67,7 @@ class Axis:
         data.check(highest)
         chosen = noise_level(data, settings, other, highest)
         rule = prior_rule(chosen.data, settings, stated)
-        return cls(chosen.data, chosen.level, chosen.words, rule, family, highest)
+        return cls(chosen.data, chosen.level, chosen.words, rule, family, highest, chosen.shape)
 
     def up_to(self, highest: int) -> Axis:
         """Give the same axis, for orders up to another one."""

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.comparison.pointwise import gaussian_density
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import arviz_object
 
 if TYPE_CHECKING:  # pandas is imported where somebody asks for it
     import pandas as pd
 
-    from bayescal.comparison.order_result import OrderResult
-
+# An OrderResult, whose methods call what follows.
+OrderResult: TypeAlias = Any
 # Log densities of one order that are held at once.
 LARGEST = 50_000_000
 
@@ -109,10 +110,7 @@ def pointwise(found: OrderResult) -> Array:
     flat = full.reshape(-1, full.shape[2])
     exact = found.posterior.exact
     if exact is not None:
-        from bayescal.comparison.defence.prediction import gaussian_density
-
         values = gaussian_density(found.data, exact)(flat)
     else:
-        model: Any = found.posterior.model
-        values = model.log_likelihood(flat)
+        values = found.posterior.model.log_likelihood(flat)
     return np.asarray(values.reshape(*full.shape[:2], -1))

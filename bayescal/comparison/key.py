@@ -8,6 +8,7 @@ import numpy as np
 
 from bayescal.noise.choice import NOISE_MODELS
 from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.noise.world_errors import WorldErrors
 from bayescal.points.setup import AXES
 from bayescal.polynomials import bivariate, separable
 
@@ -16,7 +17,7 @@ PINHOLE = "pinhole"  # the family without a closed form
 POLYNOMIAL = "polynomial"  # of y over x, without any camera
 # Their places here, and those of the noise models, are part of the random numbers' seeds.
 FAMILIES = (separable.NAME, bivariate.NAME, PINHOLE)
-_NOISES = tuple(NOISE_MODELS)
+_NOISES = (*NOISE_MODELS, WorldErrors.name)
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,13 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.linear.effective_variance import with_effective_deviations
+from bayescal.linear.effective_variance import with_effective_deviations, world_errors
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.choice import NoiseChoice
+from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.model import NoiseModel
+from bayescal.noise.world_errors import WorldErrors
 from bayescal.points.setup import LARGEST_PX, SMALLEST_PX, StatedPrior
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
@@ -144,11 +146,15 @@ class ChosenLevel(NamedTuple):
     level : NoiseLevel
     words : str
         How it was chosen.
+    shape : NoiseModel
+        Of the noise about it: the one asked for, or Gaussian beside errors of the world
+        coordinates, where sigma is inferred.
     """
 
     data: AxisData
     level: NoiseLevel
     words: str
+    shape: NoiseModel = GAUSSIAN
 
 
 def noise_level(data: AxisData, settings: Settings, other: Array | None, order: int) -> ChosenLevel:
@@ -166,25 +172,42 @@ def noise_level(data: AxisData, settings: Settings, other: Array | None, order: 
     InputError
         Where the level asked for can't be had from these data.
     """
-    pixels, level, source = _pixel_noise(data, settings, other)
-    if settings.choice.robust and data.axis != "y":
+    pixels, level, source, _ = _pixel_noise(data, settings, other)
+    shape = settings.noise_model(data)
+    exact = data.x_sd is None or not data.x_sd.any()
+    if (settings.choice.robust or not exact) and data.axis != "y":
         level = level.on_readings(pixels.t, pixels.sd)
-    if data.x_sd is None or not data.x_sd.any():
-        return ChosenLevel(pixels, level, source)
+    if exact:
+        return ChosenLevel(pixels, level, source, shape)
     if level.source == "inferred":
-        raise InputError(
-            f"{data.source}: axis {data.axis}: errors of the world coordinates need the noise of "
-            f"the pixels beside them; add --sigma PX or a column sigma_{data.axis}"
-        )
+        if settings.choice.robust:
+            raise needs_sigma(data, f"{settings.noise} noise")
+        source += "; beside it the errors of the world coordinates, as effective variances"
+        return ChosenLevel(pixels, level, source, world_errors(pixels, level, order))
     alone = pixels.sd if pixels.sd is not None else np.full(len(data), level.plug_in)
     combined = with_effective_deviations(pixels, alone, order)
     source += "; with the errors of the world coordinates, as effective variances"
     if level.source != "scale":
-        return ChosenLevel(combined, NoiseLevel.known(1.0), source)
+        return ChosenLevel(combined, NoiseLevel.known(1.0), source, shape)
     scale = NoiseLevel.scale()
     if settings.choice.robust:
         scale = scale.on_readings(combined.t, combined.sd)
-    return ChosenLevel(combined, scale, source)
+    return ChosenLevel(combined, scale, source, shape)
+
+
+def needs_sigma(data: AxisData, what: str) -> InputError:
+    """Make the complaint where a sigma can't be inferred beside errors of the world."""
+    return InputError(
+        f"{data.source}: axis {data.axis}: {what} can't have a sigma inferred beside errors of the "
+        f"world coordinates; add --sigma PX or a column sigma_{data.axis}"
+    )
+
+
+def check_exact_world(chosen: ChosenLevel, what: str) -> ChosenLevel:
+    """Refuse, for what has no such noise, a sigma inferred beside errors of the world."""
+    if chosen.shape.name == WorldErrors.name:
+        raise needs_sigma(chosen.data, what)
+    return chosen
 
 
 def _pixel_noise(data: AxisData, settings: Settings, other: Array | None) -> ChosenLevel:

@@ -14,8 +14,12 @@ import numpy as np
 from bayescal.arrays import Array, frozen
 from bayescal.errors import InputError
 from bayescal.linear.least_squares import factorise, solve
+from bayescal.noise.level import NoiseLevel
+from bayescal.noise.world_errors import WorldErrors
 from bayescal.polynomials.axis_data import AxisData
 
+# Grid of ln sigma on which the slopes are found where sigma is inferred.
+GRID = 185
 ITERATIONS = 100
 SETTLED = 1e-10  # largest relative change of a deviation
 
@@ -54,3 +58,30 @@ def with_effective_deviations(data: AxisData, sigma: Array, order: int) -> AxisD
         f"{data.source}: axis {data.axis}: the errors of the world coordinates change the fit of "
         f"order {order} so much that it does not settle; lower the order or the errors"
     )
+
+
+def world_errors(data: AxisData, level: NoiseLevel, order: int) -> WorldErrors:
+    """Noise of an inferred sigma beside the world's errors, whose slopes follow that sigma.
+
+    Parameters
+    ----------
+    data : AxisData
+        With the regressor's deviations `x_sd`, and its own where sigma is a factor on them.
+    level : NoiseLevel
+        Inferred.
+    order : int
+        As in `with_effective_deviations`.
+
+    Raises
+    ------
+    InputError
+        Where fit and slope do not settle.
+    """
+    grid = np.linspace(*level.log_bounds, GRID)
+    own = np.ones(len(data)) if data.sd is None else data.sd
+    variance = []
+    for sigma in np.exp(grid):
+        found = with_effective_deviations(data, sigma * own, order).sd
+        assert found is not None, "it has just been given"
+        variance.append(np.maximum(found**2 - (sigma * own) ** 2, 0.0))
+    return WorldErrors(frozen(grid), frozen(np.array(variance)))

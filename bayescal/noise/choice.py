@@ -10,6 +10,7 @@ from bayescal.noise.gaussian import Gaussian
 from bayescal.noise.model import NoiseModel
 from bayescal.noise.outlier_mixture import WIDTH_BOUNDS, OutlierMixture
 from bayescal.noise.student_t import StudentT
+from bayescal.noise.world_errors import WorldErrors
 
 
 @dataclass(frozen=True)
@@ -65,4 +66,9 @@ NOISE_MODELS: dict[str, Callable[[NoiseChoice, float], NoiseModel]] = {
 }
 
 # Their names as they stand in a sentence.
-NOISE_WORDS = {"gaussian": "Gaussian", "student-t": "Student-t", "outlier-mixture": "mixture"}
+NOISE_WORDS = {
+    "gaussian": "Gaussian",
+    "student-t": "Student-t",
+    "outlier-mixture": "mixture",
+    WorldErrors.name: "Gaussian, with errors of the world,",
+}

@@ -4,12 +4,18 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy import stats
+from scipy.special import logsumexp
 
 import bayescal as bc
 from bayescal.comparison.settings import Settings, noise_level, prior_rule
 from bayescal.linear.closed_form import exact_posterior
+from bayescal.linear.effective_variance import with_effective_deviations, world_errors
 from bayescal.linear.least_squares import factorise
 from bayescal.linear.model import LinearModel
+from bayescal.linear.quadrature import clenshaw_curtis
+from bayescal.noise.gaussian import GAUSSIAN
+from bayescal.noise.level import NoiseLevel
 from bayescal.polynomials.separable import axis_data
 
 TRUTH = np.array([986.0, 1066.0, -23.0, -96.0, 203.0])  # px, near the thesis's r
@@ -34,7 +40,7 @@ def simulated(thesis, rng):
 def covered(data):
     """Which coefficients' central 95 % intervals hold the truth, without sampling."""
     settings = Settings(sigma=PIXEL_SIGMA)
-    data, level, _ = noise_level(data, settings, None, 4)
+    data, level, *_ = noise_level(data, settings, None, 4)
     factors = factorise(data, 4)
     prior = prior_rule(data, settings, None).of_order(4)
     exact = exact_posterior(LinearModel(factors, 4, level, prior))
@@ -59,7 +65,7 @@ def test_a_straight_line_has_the_slope_itself(thesis):
     """Order 1: sd_i^2 = sigma^2 + slope^2 (sx^2/z^2 + x^2 sz^2/z^4), slope of the weighted fit."""
     setup = dataclasses.replace(thesis.setup, world_sigma=(0.5, 0.0, 2.0))
     data = axis_data(dataclasses.replace(thesis, setup=setup), "r")
-    found, level, words = noise_level(data, Settings(sigma=0.8), None, 1)
+    found, level, words, _ = noise_level(data, Settings(sigma=0.8), None, 1)
     x, _, z = thesis.camera_frame().T
     slope = np.polynomial.polynomial.polyfit(x / z, data.t, 1, w=1 / found.sd)[1]
     expected = np.sqrt(0.8**2 + slope**2 * (0.25 / z**2 + x**2 * 4 / z**4))
@@ -71,7 +77,7 @@ def test_a_straight_line_has_the_slope_itself(thesis):
 def test_no_world_errors_leave_the_pixels_alone(thesis):
     setup = dataclasses.replace(thesis.setup, world_sigma=(0.0, 0.0, 0.0))
     data = axis_data(dataclasses.replace(thesis, setup=setup), "c")
-    found, level, _ = noise_level(data, Settings(sigma=0.8), None, 3)
+    found, level, *_ = noise_level(data, Settings(sigma=0.8), None, 3)
     assert found.sd is None
     assert level.value == 0.8
 
@@ -86,7 +92,94 @@ def test_columns_go_before_the_setup(thesis):
     np.testing.assert_array_equal(own.world_sigma(), np.tile([3.0, 1.0, 2.0], (57, 1)))
 
 
-def test_world_errors_without_pixel_noise_are_refused(thesis):
-    setup = dataclasses.replace(thesis.setup, world_sigma=(1.0, 1.0, 1.0))
+def with_errors(thesis, *sigma):
+    return dataclasses.replace(thesis, setup=dataclasses.replace(thesis.setup, world_sigma=sigma))
+
+
+def by_quadrature(data, level, order, highest):
+    """ln Z and the mean of sigma: the closed form at each sigma with its own weights."""
+    lower, upper = level.log_bounds
+    x, weights = clenshaw_curtis(257)
+    nodes, weights = (lower + upper) / 2 + (upper - lower) / 2 * x, (upper - lower) / 2 * weights
+    prior = prior_rule(data, Settings(), None).of_order(order)
+    values = []
+    for sigma in np.exp(nodes):
+        weighted = with_effective_deviations(data, np.full(len(data), sigma), highest)
+        factors = factorise(weighted, highest)
+        model = LinearModel(factors, order, NoiseLevel.known(1.0), prior, data.symbol)
+        values.append(exact_posterior(model).log_integral)
+    joint = np.array(values) + level.log_prior()
+    log_z = logsumexp(joint, b=weights)
+    return log_z, float(weights * np.exp(joint - log_z) @ np.exp(nodes))
+
+
+@pytest.mark.parametrize(("axis", "order"), [("r", 4), ("c", 1)])
+def test_sigma_is_inferred_beside_world_errors(thesis, axis, order):
+    """Evidence within 5 Monte Carlo errors and the grid's 0.002 nat; sigma within 5."""
+    points = with_errors(thesis, 1.0, 1.0, 2.0)
+    found = bc.compare(points, [order], axis=axis, hint=False)[axis]
+    log_z, sigma = by_quadrature(axis_data(points, axis), found.noise, order, order)
+    result = found[order]
+    assert abs(result.log_evidence - log_z) < 5 * result.log_evidence_error + 0.002
+    assert abs(result.posterior["sigma"].mean - sigma) < 5 * result.posterior["sigma"].mcse_mean
+    assert "effective variances" in found.noise_source
+    # Control: without the world's errors the same pixels have more noise and another evidence.
+    plain = bc.compare(thesis, [order], axis=axis, hint=False)[axis][order]
+    assert plain.posterior["sigma"].mean > sigma + 0.1
+    assert abs(plain.log_evidence - log_z) > 0.5
+
+
+def test_tiny_world_errors_leave_the_closed_form(thesis):
+    """With errors of 1e-6 units the sampled evidence is that of the pixels alone."""
+    plain = axis_data(thesis, "r")
+    noise = world_errors(
+        axis_data(with_errors(thesis, 1e-6, 1e-6, 1e-6), "r"), NoiseLevel.inferred(), 2
+    )
+    theta = np.log(np.array([0.5, 3.0]))
+    residuals = np.linspace(-9, 9, 2 * len(plain)).reshape(2, -1)
+    eta = np.empty((2, 0))
+    np.testing.assert_allclose(
+        noise.log_density(residuals, theta, eta),
+        GAUSSIAN.log_density(residuals, theta, eta),
+        rtol=0,
+        atol=1e-6,
+    )
+
+
+def test_noise_beside_world_errors_is_a_normal_of_both(thesis):
+    """On the grid: N(0, sigma^2 + slope^2 sd(x)^2), slope of the fit with that sigma."""
+    data = axis_data(with_errors(thesis, 1.0, 1.0, 2.0), "c")
+    level = NoiseLevel.inferred()
+    noise = world_errors(data, level, 3)
+    residuals = np.linspace(-5, 5, len(data))[None]
+    for k in (5, 20, 40):
+        sigma = np.exp(noise.log_sigma[k])
+        sd = with_effective_deviations(data, np.full(len(data), sigma), 3).sd
+        expected = stats.norm.logpdf(residuals, scale=sd)
+        found = noise.log_density(residuals, noise.log_sigma[[k]], np.empty((1, 0)))
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+        share = noise.weight(residuals, noise.log_sigma[[k]], np.empty((1, 0)))
+        np.testing.assert_allclose(share[0], sigma**2 / sd**2, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda points: bc.compare(points, [1], noise="student-t"),
+        lambda points: bc.compare_families(points, ["separable"], [1]),
+        lambda points: bc.fit_family(points, "pinhole", (0,)),
+        lambda points: bc.outliers(points, [1]),
+    ],
+)
+def test_where_sigma_can_not_be_inferred_beside_them_it_is_asked_for(thesis, ask):
     with pytest.raises(bc.InputError, match="add --sigma PX or a column sigma_r"):
-        bc.compare(dataclasses.replace(thesis, setup=setup), [1])
+        ask(with_errors(thesis, 1.0, 1.0, 1.0))
+
+
+def test_the_readmes_setup_runs_with_default_settings_and_is_kept(thesis, tmp_path):
+    result = bc.compare(with_errors(thesis, 1.0, 1.0, 2.0), [1, 4], axis="r", ess=400)
+    bc.save_run(result, tmp_path / "run")
+    again = bc.open_run(tmp_path / "run")
+    assert again["r"].verdict.text == result["r"].verdict.text
+    assert again["r"][4].log_evidence == result["r"][4].log_evidence
+    assert again["r"].noise_model.name == "gaussian-world"

@@ -17,7 +17,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.comparison.axis import Axis
 from bayescal.comparison.defence.other_noise import other_noises
-from bayescal.comparison.defence.prediction import gaussian_density, predictions, worth
+from bayescal.comparison.defence.prediction import predictions, worth
 from bayescal.comparison.defence.results import Defence
 from bayescal.comparison.defence.sensitivity import tau_sensitivity
 from bayescal.comparison.defence.stability import (
@@ -34,6 +34,7 @@ from bayescal.comparison.defence.stability import (
 from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.order_result import OrderResult
 from bayescal.comparison.orders import RobustOrder
+from bayescal.comparison.pointwise import gaussian_density
 from bayescal.comparison.psis import Draws, sampled_leave_one_out
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store

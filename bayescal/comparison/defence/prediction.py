@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from bayescal.arrays import LOG_2PI, Array
+from bayescal.arrays import Array
 from bayescal.comparison.defence.results import Prediction, Worth
 from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.order_result import OrderResult
-from bayescal.linear.closed_form import ExactPosterior
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import legendre_design
 
@@ -34,23 +33,6 @@ def predictions(
         worst = () if found is None else tuple(data.labels[i] for i in found.unreliable)
         out[k] = Prediction(loo, *paired_difference(loo, best), groups.get(k), found, worst)
     return out
-
-
-def gaussian_density(data: AxisData, exact: ExactPosterior) -> Callable[[Array], Array]:
-    """Log density of each pixel given draws of a linear model, ``(n_draws, n_points)``."""
-    model = exact.model
-    design = data.design(model.order)
-    sd = data.sd if data.sd is not None else np.ones(len(data))
-
-    def density(theta: Array) -> Array:
-        if model.infers_sigma:
-            log_sigma = theta[:, model.size, None]
-        else:
-            log_sigma = np.full((len(theta), 1), np.log(exact.sigma[0]))
-        z = (data.t - theta[:, : model.size] @ design.T) / sd * np.exp(-log_sigma)
-        return np.asarray(-(z**2 + LOG_2PI) / 2 - log_sigma - np.log(sd))
-
-    return density
 
 
 def worth(

@@ -15,7 +15,13 @@ from bayescal.comparison.axis import Axis
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit, chi_squared
 from bayescal.comparison.key import STATED
-from bayescal.comparison.settings import Settings, check_resolved, noise_level, prior_rule
+from bayescal.comparison.settings import (
+    Settings,
+    check_exact_world,
+    check_resolved,
+    noise_level,
+    prior_rule,
+)
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.joint_data import JointData
@@ -66,6 +72,7 @@ def linear_axes(
         other = separable.axis_data(points, "c" if axis == "r" else "r").x
         own = separable.axis_data(points, axis)
         chosen = noise_level(own, settings, other, min(highest, 5))
+        chosen = check_exact_world(chosen, "a joint model")
         stated = points.setup.priors.get(axis) if family == separable.NAME else None
         rule, data = prior_rule(data, settings, stated), replace(data, sd=chosen.data.sd)
         out.append(Axis(data, chosen.level, chosen.words, rule, family, highest))
@@ -80,7 +87,8 @@ def noise_levels(points: Correspondences, settings: Settings, highest: int) -> N
         try:
             own = separable.axis_data(points, axis)
             other = separable.axis_data(points, AXES[1 - i]).x
-            usable, level, text = noise_level(own, settings, other, min(highest, 5))
+            chosen = noise_level(own, settings, other, min(highest, 5))
+            usable, level, text, _ = check_exact_world(chosen, "a joint model")
             sd = usable.sd
         except InputError:
             if points.world_sigma() is not None or settings.sigma in ("replicates", "scale"):

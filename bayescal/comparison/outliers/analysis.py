@@ -28,7 +28,7 @@ from bayescal.comparison.outliers.records import (
 from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
 from bayescal.comparison.outliers.shared_errors import shared_errors
-from bayescal.comparison.settings import Settings
+from bayescal.comparison.settings import Settings, needs_sigma
 from bayescal.comparison.store import Store
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.linear.evidence import log_evidences
@@ -37,6 +37,7 @@ from bayescal.linear.reweighting import Rows
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
+from bayescal.noise.world_errors import WorldErrors
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials.axis_data import AxisData
@@ -77,6 +78,8 @@ def find_outliers(
                 other=data["c" if name == "r" else "r"].x,
                 stated=points.setup.priors.get(name),
             )
+            if axis.shape.name == WorldErrors.name:
+                raise needs_sigma(axis.data, "a look for bad points")
             axes[name] = _axis(points, axis, orders, noises, rejection, settings, tell, kept)
     study = OutlierStudy(axes, points, rejection.significance, settings, noises)
     return _with_hint(study, settings)

@@ -81,7 +81,7 @@ class ComparisonKind(RunKind[Comparison]):
                 draws = axis_draws(found.posterior, axis.data, found.order)
                 if axis.defence is not None and found.order in axis.defence.prediction:
                     with_left_out(draws, axis.defence.prediction[found.order].psis)
-                kept[found.key.file(axis.noise_model.name)] = draws
+                kept[found.key.file(result.settings.noise)] = draws
         return kept
 
     def pictures(self, folder: Path, result: Comparison) -> None:
