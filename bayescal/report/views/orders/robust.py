@@ -9,6 +9,7 @@ import numpy as np
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.comparison.verdict import percent
 from bayescal.noise.outlier_mixture import OutlierMixture
+from bayescal.noise.world_errors import WorldErrors
 from bayescal.report.numbers import point_chances
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.words import MARK
@@ -49,9 +50,11 @@ def robust_orders_table(axis: AxisComparison) -> Table:
 
 def robust_footnotes(axis: AxisComparison) -> list[str]:
     """Say what the table of orders under robust noise does not."""
+    gaussian = axis.noise_model.name == WorldErrors.name
+    where = "points of one deviation" if gaussian else "Gaussian noise"
     lines = [
         "RSS is of least squares, for comparison: chi-squared, F tests, AIC and BIC belong to "
-        "Gaussian noise. ln Z by importance sampling, checked by bridge sampling; the other "
+        f"{where}. ln Z by importance sampling, checked by bridge sampling; the other "
         "columns are posterior means ± sd.",
     ]
     if isinstance(axis.noise_model, OutlierMixture):
