@@ -95,9 +95,12 @@ def test_arviz_finds_our_leave_one_out(result: Comparison) -> None:
         ours = psis_loo(values.reshape(-1, values.shape[2]).T)
         np.testing.assert_allclose(_terms(theirs), ours.pointwise, rtol=0, atol=1e-9)
         assert found.loo is not None
-        if ours.pareto_k.max() > 0.5:  # heavier tails have no Monte Carlo error to judge by
-            continue
-        assert abs(_elpd(theirs) - found.loo.elpd) < 5 * ours.mcse_of_sum + 0.02
+        # Of light tails point by point; heavier ones have no Monte Carlo error to judge by.
+        light = ours.pareto_k < 0.5
+        error = np.sqrt((ours.influence[light] ** 2).sum(axis=1))
+        assert light.sum() > 30
+        gap = np.abs(_terms(theirs) - found.loo.pointwise)[light]
+        assert (gap < 5 * error + 0.005).all()
 
 
 @HEAVY
