@@ -139,7 +139,7 @@ def test_the_document_says_what_the_study_found_and_holds_no_nan(study):
 def test_what_is_printed_fits_100_columns_and_names_the_bad_points(study):
     text = render(brief(study), terminal=False)
     assert max(map(len, text.splitlines())) <= 100
-    assert "points 16 and 19 share y = 0, z = 600" in text
+    assert "Points 16 and 19 share y = 0, z = 600" in text
     whole = render(brief(study, everything=True), terminal=False)
     assert len(whole.splitlines()) > len(text.splitlines()) + 40
 
