@@ -223,9 +223,9 @@ def test_students_t_equals_leave_one_out_of_a_straight_line():
 
 @pytest.mark.parametrize(("axis", "order"), THESIS_MODELS)
 def test_leave_one_out_equals_importance_sampling_of_the_draws(thesis_comparison, axis, order):
-    """Every point of good Pareto k (below 0.7) within 5 Monte Carlo standard errors.
+    """Within 5 Monte Carlo standard errors where the weights have a variance (Pareto k below 0.5).
 
-    The log likelihood is scipy's, from the reported draws of alpha and sigma.
+    Up to 0.7 the estimate converges, but slower than its standard error says: within 10. The log likelihood is scipy's, from the reported draws of alpha and sigma.
     """
     result = thesis_comparison.axes[axis]
     data, posterior = result.data, result[order].posterior
@@ -239,7 +239,8 @@ def test_leave_one_out_equals_importance_sampling_of_the_draws(thesis_comparison
     good = k < 0.7
     assert good.mean() > 0.9
     off = np.abs(elpd - exact.pointwise) / mcse
-    assert off[good].max() < 5
+    assert off[k < 0.5].max() < 5
+    assert off[good].max() < 10
 
 
 def test_a_point_that_every_draw_predicts_alike_has_a_good_tail():
