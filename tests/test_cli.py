@@ -248,7 +248,7 @@ import sys
 from importlib.util import find_spec
 from bayescal.cli import main
 main(["compare", "--orders", "1", "--axis", "c", "--ess", "100", "--quiet"])
-spared = ["comparison.defence", "comparison.leave_one_out",
+spared = ["comparison.defence.defence", "comparison.leave_one_out",
           "comparison.psis",
           "density.robust_linear", "inference.sampled_posterior", "report.document",
           "comparison.families.analysis", "comparison.outliers"]

@@ -46,7 +46,7 @@ def test_fit_a_pinhole(capsys):
     assert max(len(line) for line in out.splitlines()) <= 100
     for words in ("focal_r", "centre_c", "rotation_x", "position_z", "k_1", "correlation"):
         assert words in out
-    assert "weakly identified together: " in out
+    assert "Weakly identified together: " in out
     assert "rotation_x (+" in out
 
 
@@ -143,5 +143,5 @@ def test_a_bivariate_fit_prints_its_coefficients(capsys):
     names = [line.split()[0] for line in out.splitlines() if " to " in line]
     coefficients = [f"{s}_{p}" for s in ("alpha", "beta") for p in ("00", "10", "01")]
     assert names == [*coefficients[:3], "sigma_r", *coefficients[3:], "sigma_c"]
-    assert "first power: of x/z in r (alpha), of y/z in c (beta)" in out
+    assert "First power: of x/z in r (alpha), of y/z in c (beta)" in out
     assert " (closed form); elpd " in out  # its error is of rounding alone

@@ -148,7 +148,8 @@ class RobustOrder(_Order):
         """Draws and the evidence from them; `beside` what is compared, a run need not have it."""
         from bayescal.inference.sampled_posterior import sample_model
 
-        sample = partial(sample_model, self.model, self.key.rng(settings.seed), settings.ess)
+        rng, ladder = self.key.rng(settings.seed), self.model.ladder
+        sample = partial(sample_model, self.model, rng, settings.ess, ladder=ladder)
         return store.posterior(self.key, self.model, sample, beside=beside)
 
     def beside(self, store: Store, settings: Settings) -> Judged:

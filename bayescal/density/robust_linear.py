@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from bayescal.arrays import LOG_2PI, Array
 from bayescal.density.trimmed import trimmed_fits
 from bayescal.errors import InputError
+from bayescal.inference.optimum import Mode, climb
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.model import NoiseModel
 from bayescal.polynomials.axis_data import AxisData
@@ -20,6 +21,8 @@ from bayescal.prior.strength import Strength
 # Steps of the robust fit that starts are taken from, and the Cauchy weight's tuning
 # constant (95 % efficient under Gaussian noise; Holland & Welsch 1977).
 STEPS, CAUCHY = 50, 2.385
+# Strengths tau at which a proposal is told how wide the density is.
+RUNGS = 12
 # Densities held at once: in pieces that fit a cache the density takes half the time.
 CHUNK = 100_000
 # The median absolute deviation of a normal, in sigma.
@@ -183,6 +186,21 @@ class RobustLinearModel:
         noise = self.noise.starts()
         rows = [self.start(*fit, eta) for fit in _fits(x, y) for eta in noise]
         return np.array(rows + [self.start(*fit, noise[-1]) for fit in trimmed_fits(x, y)])
+
+    def ladder(self, mode: Mode) -> tuple[Mode, ...]:
+        """Modes at fixed tau, from its largest down, each climbed to from the one before.
+
+        Where tau reaches far below the noise the density has a spike at amplitudes of nothing,
+        as wide as each tau in turn, that no curvature at a mode tells.
+        """
+        if not self.prior.infers_tau:
+            return ()
+        lowest, highest = self.prior.log_tau_bounds
+        rungs = [mode]
+        for log_tau in np.linspace(highest, lowest, RUNGS):
+            prior = replace(self.prior, tau=math.exp(log_tau))
+            rungs.append(climb(replace(self, prior=prior).log_prob, rungs[-1].theta))
+        return tuple(rungs[1:])
 
     def start(self, amplitudes: Array, scale: float, eta: Array) -> Array:
         """Give the coordinates of amplitudes and a sigma, px, with eta of the noise."""

@@ -70,7 +70,7 @@ def find_modes(log_density: LogDensity, starts: Array) -> tuple[Mode, ...]:
     for start in starts:
         if not math.isfinite(float(log_density(start[None])[0])):
             continue
-        mode = _climb(log_density, start)
+        mode = climb(log_density, start)
         same = (np.abs(np.linalg.solve(m.root, mode.theta - m.theta)).max() < SAME for m in found)
         if not any(same):
             found.append(mode)
@@ -78,7 +78,7 @@ def find_modes(log_density: LogDensity, starts: Array) -> tuple[Mode, ...]:
     return tuple(m for m in found if m.log_mass > max(o.log_mass for o in found) - NEGLIGIBLE)
 
 
-def _climb(log_density: LogDensity, start: Array) -> Mode:
+def climb(log_density: LogDensity, start: Array) -> Mode:
     """Climb in coordinates scaled to the density's own width, which are then renewed."""
     theta, root = start, np.diag(_steps(log_density, start))
     for _ in range(3):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -109,6 +110,7 @@ def sample_model(
     ess: int,
     guess: Guess | None = None,
     evidence_draws: int = EVIDENCE_DRAWS,
+    ladder: Callable[[Mode], tuple[Mode, ...]] | None = None,
 ) -> SampledPosterior:
     """Sample a model's posterior with emcee and estimate its evidence.
 
@@ -120,6 +122,9 @@ def sample_model(
         By default a proposal is adapted to the density.
     evidence_draws : int, optional
         Draws of the proposal that the evidence is taken from.
+    ladder : callable, optional
+        From the highest mode to normals that the proposal holds beside the modes: those of the
+        density at fixed values of what was integrated out.
 
     Raises
     ------
@@ -133,9 +138,10 @@ def sample_model(
             raise InputError(
                 "the likelihood is zero wherever the model could start; check the units"
             )
-        adapted = adapt(model.log_prob, modes, for_proposal)
+        rungs = ladder(modes[0]) if ladder is not None else ()
+        adapted = adapt(model.log_prob, modes, for_proposal, rungs)
     else:
-        proposal, modes = guess.proposal, guess.modes
+        proposal, modes, rungs = guess.proposal, guess.modes, ()
         # The last component spans the whole posterior.
         root = proposal.roots[-1]
         adapted = Adapted(proposal, proposal.means[-1], root @ root.T)
@@ -143,7 +149,7 @@ def sample_model(
     if _soundness(first) >= (True, True, FITTED):
         return first
     draws = first.chain.theta.reshape(-1, model.dimension), first.chain.log_prob.ravel()
-    refined = refine(model.log_prob, adapted, modes, draws, for_refined)
+    refined = refine(model.log_prob, adapted, modes, draws, for_refined, rungs)
     second = _attempt(model, modes, refined, for_second, ess, evidence_draws)
     best, proposal = max(
         (first, adapted.proposal), (second, refined.proposal), key=lambda pair: _soundness(pair[0])

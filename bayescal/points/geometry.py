@@ -85,6 +85,7 @@ def _off_axis(points: Correspondences, slopes: Array) -> list[str]:
 
 def _narrow(camera: Array) -> list[str]:
     """All points within half a degree of view."""
+    camera = camera / np.abs(camera).max()  # lengths of any unit have a square
     rays = camera / np.linalg.norm(camera, axis=1, keepdims=True)
     middle = rays.mean(axis=0)
     middle /= np.linalg.norm(middle)

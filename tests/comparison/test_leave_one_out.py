@@ -225,7 +225,8 @@ def test_students_t_equals_leave_one_out_of_a_straight_line():
 def test_leave_one_out_equals_importance_sampling_of_the_draws(thesis_comparison, axis, order):
     """Within 5 Monte Carlo standard errors where the weights have a variance (Pareto k below 0.5).
 
-    Up to 0.7 the estimate converges, but slower than its standard error says: within 10. The log likelihood is scipy's, from the reported draws of alpha and sigma.
+    Up to 0.7 the estimate converges, but slower than its standard error says: within 10. The log
+    likelihood is scipy's, from the reported draws of alpha and sigma.
     """
     result = thesis_comparison.axes[axis]
     data, posterior = result.data, result[order].posterior

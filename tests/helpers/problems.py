@@ -50,10 +50,12 @@ def make_model(
     tau: float | None = None,
     stated: StatedPrior | None = None,
     scale: bool = False,
+    pixel: float = 1.0,
 ) -> LinearModel:
     """A likelihood model; sigma is inferred unless it is given or known per point.
 
-    With `scale` a factor on the points' known deviations is inferred.
+    With `scale` a factor on the points' known deviations is inferred. An inferred tau begins at a
+    hundredth of `pixel`.
     """
     if data.sd is not None:
         noise = NoiseLevel.scale() if scale else NoiseLevel.known(1.0)
@@ -61,7 +63,7 @@ def make_model(
         noise = NoiseLevel.known(sigma)
     else:
         noise = NoiseLevel.inferred(bounds) if bounds is not None else NoiseLevel.inferred()
-    rule = PriorRule(prior, data.size, data.size / 2, tau, stated)
+    rule = PriorRule(prior, data.size, data.size / 2, tau, stated, pixel)
     return LinearModel(factorise(data, order), order, noise, rule.of_order(order), data.symbol)
 
 

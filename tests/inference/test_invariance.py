@@ -61,7 +61,9 @@ def test_scaling_pixels_and_priors_shifts_the_evidence_by_n_ln_k(problem, k, tau
     """Identity: the same model in another unit, so each point's density is 1/k as high."""
     data, order = problem
     one = exact_posterior(make_model(data, order, tau=tau))
-    other = exact_posterior(make_model(scaled(data, k), order, tau=tau, bounds=scaled_bounds(k)))
+    other = exact_posterior(
+        make_model(scaled(data, k), order, tau=tau, bounds=scaled_bounds(k), pixel=k)
+    )
     shift = -len(data) * np.log(k)
     assert other.log_evidence - one.log_evidence == pytest.approx(shift, abs=1e-6)
     size = make_model(data, order).size

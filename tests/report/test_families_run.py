@@ -276,7 +276,7 @@ def test_only_orders_are_defended(families_run: Path) -> None:
         (("plot", "models"), "name a run that compare --family --out wrote"),
         (("plot", "models", "ORDERS"), "where a run holds 'bayescal.families/1'"),
         (("plot", "curve", "RUN", "--axis", "r"), "where a run holds 'bayescal.comparison/1'"),
-        (("plot", "models", "RUN", "--axis", "r"), "r and c together; leave out --axis"),
+        (("plot", "models", "RUN", "--axis", "r"), "r and c together; leave out the axis"),
     ],
 )
 def test_bad_requests(

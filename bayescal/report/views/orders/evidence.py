@@ -21,6 +21,8 @@ if TYPE_CHECKING:  # a comparison without a defence does not pay for it
 
 # The table over tau shows the decades of its grid.
 ON_DECADE = 1e-9
+# Columns of fixed tau that fit a terminal.
+MOST_COLUMNS = 7
 
 
 def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
@@ -55,6 +57,7 @@ def tau_table(axis: AxisComparison, found: TauSensitivity) -> Table:
     """Log evidence of every order at a few fixed tau."""
     decades = np.log10(found.tau)
     at = [int(i) for i in np.flatnonzero(np.abs(decades - np.round(decades)) < ON_DECADE)]
+    at = at[:: -(-len(at) // MOST_COLUMNS)]
     shown = [significant(100 * float(found.tau[i])) for i in at]
     columns = [Column(f"{share}%", "", f"{share} %") for share in shown]
     rows = [[number_cell(float(row[i]), one_decimal) for i in at] for row in found.log_evidence]
