@@ -22,7 +22,7 @@ SPARE = 1.12  # draws per effective sample wanted; independence sampling needs a
 BURN_IN = 6  # steps; the walkers start from the proposal, which is nearly the posterior
 RHAT_LIMIT = 1.01
 TAU_STEPS = 50  # autocorrelation times that a chain must be long (emcee's rule)
-MAX_EXTENSIONS = 4  # each at most doubles the steps
+MAX_EXTENSIONS = 6  # each at most doubles the steps
 
 
 @dataclass(frozen=True, eq=False)
