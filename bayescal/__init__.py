@@ -25,12 +25,12 @@ _EXPORTS = {
     "InputError": "bayescal.errors",
     "Correspondences": "bayescal.points.correspondences",
     "Setup": "bayescal.points.setup",
-    "Views": "bayescal.points.views",
+    "Views": "bayescal.points.views.views",
     "load": "bayescal.points.reader",
     "load_setup": "bayescal.points.setup",
-    "load_views": "bayescal.points.view_reader",
+    "load_views": "bayescal.points.views.reader",
     "save": "bayescal.points.writer",
-    "save_views": "bayescal.points.view_writer",
+    "save_views": "bayescal.points.views.writer",
     "thesis": "bayescal.points.bundled",
     "chessboard": "bayescal.points.bundled",
     "calibrate": "bayescal.api.calibrate",
@@ -113,9 +113,9 @@ if TYPE_CHECKING:
     from bayescal.points.correspondences import Correspondences
     from bayescal.points.reader import load
     from bayescal.points.setup import Setup, load_setup
-    from bayescal.points.view_reader import load_views
-    from bayescal.points.view_writer import save_views
-    from bayescal.points.views import Views
+    from bayescal.points.views.reader import load_views
+    from bayescal.points.views.views import Views
+    from bayescal.points.views.writer import save_views
     from bayescal.points.writer import save
     from bayescal.prediction.calibrated import CalibratedCamera
     from bayescal.prediction.saved import keep_camera

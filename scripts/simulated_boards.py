@@ -14,7 +14,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.cameras.lenses import lens_named
 from bayescal.cameras.pose import rotations
-from bayescal.points.views import Views
+from bayescal.points.views.views import Views
 
 WIDTH, HEIGHT = 1280, 960
 COLUMNS, ROWS, SQUARE = 9, 6, 30.0

@@ -14,7 +14,7 @@ from bayescal.calibration.averaging import averaged_laplace
 from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.lenses.candidates import named_candidates
 from bayescal.comparison.lenses.sweep import Judge, Request
-from bayescal.points.views import Views
+from bayescal.points.views.views import Views
 from scripts.sections import options_of, publish
 from scripts.simulated_boards import HEIGHT, WIDTH, Errors, Truth, some_lens, views_of
 

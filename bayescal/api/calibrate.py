@@ -9,8 +9,8 @@ from typing import Any
 from bayescal.comparison.lenses.analysis import compare_lenses
 from bayescal.comparison.lenses.results import LensComparison, Request
 from bayescal.errors import InputError
-from bayescal.points.view_reader import load_views
-from bayescal.points.views import Views
+from bayescal.points.views.reader import load_views
+from bayescal.points.views.views import Views
 
 
 def calibrate(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array, IntArray, frozen
-from bayescal.points.views import Views
+from bayescal.points.views.views import Views
 
 FLAT = 1e-9  # of the target's diagonal: thinner than this it is planar
 

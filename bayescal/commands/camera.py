@@ -86,8 +86,8 @@ def read_rows(
     InputError
         Where it can't be read, or has a bad row and --strict is given.
     """
-    from bayescal.points.columns import parse_stated
     from bayescal.points.partial import read_partial
+    from bayescal.points.tables.columns import parse_stated
     from bayescal.report.views.prediction import bad_rows
 
     stated = None if options.columns is None else parse_stated(options.columns)

@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
     """Detect, say what was found, and write it; return the exit code."""
     from bayescal.detection.detect import detect, image_paths
     from bayescal.files import check_free, write_whole
-    from bayescal.points.view_writer import views_to_csv
+    from bayescal.points.views.writer import views_to_csv
 
     pattern = _pattern(options)
     paths = image_paths(options.images)
@@ -114,7 +114,7 @@ def _pattern(options: argparse.Namespace) -> Pattern:
     from bayescal.detection.charuco import Charuco
     from bayescal.detection.chessboard import Chessboard
     from bayescal.detection.circles import Circles
-    from bayescal.points.board import Board, board_named
+    from bayescal.points.views.board import Board, board_named
 
     board = board_named(options.board, options.square)
     if options.pattern != "charuco":
@@ -132,7 +132,7 @@ def _pattern(options: argparse.Namespace) -> Pattern:
 
 def _told(found: Detection, options: argparse.Namespace) -> list[str]:
     """Say what was found, and name the photographs that make no view."""
-    from bayescal.points.view_notes import view_notes
+    from bayescal.points.views.notes import view_notes
     from bayescal.rounding import counted
 
     views, count = found.views, len(found.photographs)

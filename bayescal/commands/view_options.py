@@ -6,7 +6,7 @@ import argparse
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from bayescal.points.views import Views
+    from bayescal.points.views.views import Views
 
 
 def add_views(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +38,7 @@ def add_views(parser: argparse.ArgumentParser) -> None:
 def views(options: argparse.Namespace) -> Views:
     """Read the views that the options name."""
     from bayescal.points.bundled import chessboard
-    from bayescal.points.view_reader import load_views
+    from bayescal.points.views.reader import load_views
 
     if options.views is None:
         refuse_said(options)

@@ -12,7 +12,7 @@ from bayescal.arrays import Array, frozen
 from bayescal.detection.opencv import GreyImage, opencv, pixels_of
 from bayescal.detection.pattern import Sighting
 from bayescal.errors import InputError
-from bayescal.points.board import Board
+from bayescal.points.views.board import Board
 
 FEWEST = 4
 

@@ -10,7 +10,7 @@ from bayescal.arrays import Array
 from bayescal.detection.opencv import GreyImage, opencv, pixels_of
 from bayescal.detection.pattern import Sighting
 from bayescal.errors import InputError
-from bayescal.points.board import Board
+from bayescal.points.views.board import Board
 
 SECTORS, CLASSIC = "findChessboardCornersSB", "findChessboardCorners"
 # Half the side of the window in which a corner is refined, as a fraction of the distance to its

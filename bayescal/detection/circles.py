@@ -9,7 +9,7 @@ import numpy as np
 from bayescal.arrays import Array, frozen
 from bayescal.detection.opencv import GreyImage, opencv, pixels_of
 from bayescal.detection.pattern import Sighting
-from bayescal.points.board import Board
+from bayescal.points.views.board import Board
 
 
 @dataclass(frozen=True)

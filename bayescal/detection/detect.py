@@ -13,8 +13,8 @@ import numpy as np
 from bayescal.detection.opencv import GreyImage, decoded, is_turned, opencv
 from bayescal.detection.pattern import Pattern, Sighting
 from bayescal.errors import InputError
-from bayescal.points.text import reason
-from bayescal.points.views import Views
+from bayescal.points.tables.text import reason
+from bayescal.points.views.views import Views
 from bayescal.rounding import counted
 
 LARGEST = 1 << 29  # bytes of an image's file

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bayescal.detection.detect import LARGEST
 from bayescal.detection.opencv import opencv
-from bayescal.points.text import reason
+from bayescal.points.tables.text import reason
 
 Image = NDArray[Any]
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
-from bayescal.points.view_reader import load_views
-from bayescal.points.views import Views
+from bayescal.points.views.reader import load_views
+from bayescal.points.views.views import Views
 
 
 def data_folder() -> Path:

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from bayescal.errors import InputError
-from bayescal.points.columns import SIGMAS, Columns
-from bayescal.points.content import Content
-from bayescal.points.sniffing import parse_table, to_float
-from bayescal.points.table import Row, Rows, number, rows_of
-from bayescal.points.text import quoted
+from bayescal.points.tables.columns import SIGMAS, Columns
+from bayescal.points.tables.content import Content
+from bayescal.points.tables.sniffing import parse_table, to_float
+from bayescal.points.tables.table import Row, Rows, number, rows_of
+from bayescal.points.tables.text import quoted
 from bayescal.rounding import counted
 
 WORLD = Columns(("x", "y", "z"), ("x", "y", "z", "label", "group", *SIGMAS[2:]))

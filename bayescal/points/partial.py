@@ -11,11 +11,11 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.columns import Columns
-from bayescal.points.content import read_content
 from bayescal.points.correspondences import one_line
-from bayescal.points.sniffing import parse_table
-from bayescal.points.table import number, rows_of
+from bayescal.points.tables.columns import Columns
+from bayescal.points.tables.content import read_content
+from bayescal.points.tables.sniffing import parse_table
+from bayescal.points.tables.table import number, rows_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from bayescal.errors import InputError
-from bayescal.points.columns import KNOWN, REQUIRED, SIGMAS, Columns, parse_stated
-from bayescal.points.content import Content, read_content
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.exports import colmap, parquet, qgis, spreadsheet
-from bayescal.points.frames import frame_table, is_frame
 from bayescal.points.pairs import read_pair
 from bayescal.points.setup import AXES, Setup, load_setup
-from bayescal.points.table import Rows, number, read_rows, rows_of
-from bayescal.points.text import quoted
+from bayescal.points.tables.columns import KNOWN, REQUIRED, SIGMAS, Columns, parse_stated
+from bayescal.points.tables.content import Content, read_content
+from bayescal.points.tables.frames import frame_table, is_frame
+from bayescal.points.tables.table import Rows, number, read_rows, rows_of
+from bayescal.points.tables.text import quoted
 from bayescal.rounding import counted
 
 # In the order they are asked; a table of text is what remains.

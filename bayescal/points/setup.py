@@ -20,7 +20,7 @@ from typing import Any
 
 from bayescal.errors import InputError
 from bayescal.points.camera import CAMERA_KEYS, PINHOLE_KEYS, StatedCamera
-from bayescal.points.content import LARGEST_SETUP, read_file
+from bayescal.points.tables.content import LARGEST_SETUP, read_file
 
 AXES = ("r", "c")
 _KEYS = {

@@ -18,7 +18,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.files import write_whole
-from bayescal.points.content import read_file
+from bayescal.points.tables.content import read_file
 from bayescal.polynomials.basis import Domain
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.members import LensMember, Member, Parameters, PolynomialMember

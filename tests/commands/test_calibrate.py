@@ -10,7 +10,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import main
-from bayescal.points.view_writer import views_to_csv
+from bayescal.points.views.writer import views_to_csv
 
 
 def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,7 +18,7 @@ import bayescal as bc
 from bayescal.detection.chessboard import Chessboard
 from bayescal.detection.contact_sheet import contact_sheet
 from bayescal.detection.detect import Detection, detect, image_paths
-from bayescal.points.board import Board
+from bayescal.points.views.board import Board
 from tests.helpers.command import environment, here
 from tests.helpers.renders import chessboard_texture, homography, photograph, seen_at
 

@@ -18,7 +18,7 @@ from bayescal.detection.chessboard import Chessboard
 from bayescal.detection.circles import Circles
 from bayescal.detection.opencv import pixels_of
 from bayescal.detection.pattern import Sighting
-from bayescal.points.board import Board
+from bayescal.points.views.board import Board
 from tests.helpers.renders import chessboard_texture, homography, photograph, seen_at, to_units
 
 TILTS = ((0.0, 0.0), (0.02, -0.01), (-0.015, 0.02))

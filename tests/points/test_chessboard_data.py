@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 
 import bayescal as bc
-from bayescal.points.view_notes import view_notes
+from bayescal.points.views.notes import view_notes
 
 
 def test_thirteen_views_of_one_board() -> None:

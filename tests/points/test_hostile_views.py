@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from scipy.io import savemat
 
 import bayescal as bc
-from bayescal.points.formats import archive, mat_contents
+from bayescal.points.views.formats import archive, mat_contents
 from tests.points.test_view_formats import (
     BOARD,
     IMAGES,

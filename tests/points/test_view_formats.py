@@ -16,9 +16,9 @@ import pytest
 from scipy.io import savemat
 
 import bayescal as bc
-from bayescal.points.board import Board
-from bayescal.points.view_notes import view_notes
-from bayescal.points.views import Views
+from bayescal.points.views.board import Board
+from bayescal.points.views.notes import view_notes
+from bayescal.points.views.views import Views
 
 BOARD = Board(5, 4, 2.0)
 N, VIEWS = BOARD.n_points, 3

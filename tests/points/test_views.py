@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.points.board import Board, board_named
-from bayescal.points.view_notes import view_notes
-from bayescal.points.view_writer import views_to_csv
-from bayescal.points.views import Views
+from bayescal.points.views.board import Board, board_named
+from bayescal.points.views.notes import view_notes
+from bayescal.points.views.views import Views
+from bayescal.points.views.writer import views_to_csv
 
 BOARD = Board(4, 3, 10.0)
 

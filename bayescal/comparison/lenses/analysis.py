@@ -28,8 +28,8 @@ from bayescal.comparison.lenses.sweep import Judge, Progress, image_size
 from bayescal.comparison.lenses.verdict import judge_lenses
 from bayescal.errors import InputError
 from bayescal.inference.sampled_posterior import Guess, sample_model
-from bayescal.points.view_notes import view_notes
-from bayescal.points.views import Views
+from bayescal.points.views.notes import view_notes
+from bayescal.points.views.views import Views
 
 PROBABLE = 1e-3  # lenses less probable than this are not looked at view by view
 MOST_LOOKED_AT = 6

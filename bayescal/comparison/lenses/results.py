@@ -14,7 +14,7 @@ from bayescal.calibration.lens_model import LensModel
 from bayescal.comparison.lenses.candidates import Candidate
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.markup import bullets, table
-from bayescal.points.views import Views
+from bayescal.points.views.views import Views
 from bayescal.rounding import significant
 
 

@@ -30,7 +30,7 @@ from bayescal.comparison.lenses.candidates import (
 )
 from bayescal.comparison.lenses.results import JudgedLens, Request
 from bayescal.errors import InputError
-from bayescal.points.views import Views
+from bayescal.points.views.views import Views
 
 WORSE = 1e-9  # relative: a nested fit worse than its sub-model's by this is a failure
 FIRST: tuple[Node, ...] = ((0, 0, 0, 0), (3, 3, 3, 3))

@@ -13,11 +13,11 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.content import Content, read_file
 from bayescal.points.exports.found import Found
 from bayescal.points.setup import Setup
-from bayescal.points.sniffing import Line, TextTable
-from bayescal.points.text import quoted
+from bayescal.points.tables.content import Content, read_file
+from bayescal.points.tables.sniffing import Line, TextTable
+from bayescal.points.tables.text import quoted
 
 NAME = "COLMAP text model"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bayescal.points.setup import Setup
-from bayescal.points.sniffing import TextTable
+from bayescal.points.tables.sniffing import TextTable
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from bayescal.errors import InputError
-from bayescal.points.content import Content
+from bayescal.points.tables.content import Content
 
 
 def read_frame(

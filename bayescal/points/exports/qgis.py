@@ -6,9 +6,9 @@ An image's rows are negative there, and the map is a plane.
 
 from __future__ import annotations
 
-from bayescal.points.content import Content
 from bayescal.points.exports.found import Found
-from bayescal.points.sniffing import Line, TextTable, parse_table, to_float
+from bayescal.points.tables.content import Content
+from bayescal.points.tables.sniffing import Line, TextTable, parse_table, to_float
 from bayescal.rounding import counted
 
 NAME = "QGIS control points"

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import io
 
-from bayescal.points.content import Content
 from bayescal.points.exports.found import Found
 from bayescal.points.exports.installed import read_frame
-from bayescal.points.frames import frame_table
+from bayescal.points.tables.content import Content
+from bayescal.points.tables.frames import frame_table
 
 NAME = "Excel workbook"
 NEEDS = ("pandas", "openpyxl")

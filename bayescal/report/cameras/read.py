@@ -14,7 +14,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.cameras.lenses import Lens, lens_named
 from bayescal.errors import InputError
-from bayescal.points.content import LARGEST_SETUP, read_file
+from bayescal.points.tables.content import LARGEST_SETUP, read_file
 from bayescal.report.cameras.camera import FittedCamera
 
 # Names of lenses by the number of OpenCV's coefficients that a file gives.

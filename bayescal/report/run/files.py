@@ -15,7 +15,7 @@ from bayescal.files import RESULT
 from bayescal.inference.arviz_bridge import Draws, parse_netcdf
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
-from bayescal.points.text import reason
+from bayescal.points.tables.text import reason
 from bayescal.report.document.shared import versions
 from bayescal.report.run.folder import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
 from bayescal.report.run.shape import misshapen

@@ -12,7 +12,7 @@ from bayescal.comparison.lenses.candidates import named_candidates
 from bayescal.comparison.lenses.left_out import jackknife, leave_views_out, refitted
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.errors import InputError
-from bayescal.points.views import Views
+from bayescal.points.views.views import Views
 from tests.helpers import boards
 
 NAMES = ("pinhole", "radial 1", "radial 2", "radial 2 + p", "radial 3")

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import hashlib
 
-from bayescal.points.formats.archive import is_archive, read_arrays
-from bayescal.points.formats.arrays import assembled, image_size, known, views_of
-from bayescal.points.formats.source import Source
-from bayescal.points.views import Views
+from bayescal.points.views.formats.archive import is_archive, read_arrays
+from bayescal.points.views.formats.arrays import assembled, image_size, known, views_of
+from bayescal.points.views.formats.source import Source
+from bayescal.points.views.views import Views
 
 NAME = "NumPy archive"
 

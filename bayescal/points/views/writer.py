@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bayescal.files import write_whole
-from bayescal.points.views import Views
+from bayescal.points.views.views import Views
 
 
 def views_to_csv(views: Views, comments: Sequence[str] = ()) -> str:

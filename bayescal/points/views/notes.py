@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.points.view_checks import off_image
-from bayescal.points.views import Views
+from bayescal.points.views.checks import off_image
+from bayescal.points.views.views import Views
 from bayescal.rounding import counted
 
 # A smooth map misses the pixels of a properly named board by a few hundredths of its span.

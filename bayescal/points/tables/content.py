@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from bayescal.errors import InputError
-from bayescal.points.text import decode, reason
+from bayescal.points.tables.text import decode, reason
 
 # About a million points; and a setup says what it has to say in far less.
 LARGEST_TABLE, LARGEST_SETUP = 64_000_000, 1_000_000

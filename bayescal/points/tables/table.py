@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bayescal.errors import InputError
-from bayescal.points.columns import (
+from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
+from bayescal.points.tables.columns import (
     PIXEL_SIGMAS,
     TEXTS,
     WORLD_SIGMAS,
@@ -16,10 +17,9 @@ from bayescal.points.columns import (
     match_columns,
     reading_note,
 )
-from bayescal.points.content import read_content
-from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
-from bayescal.points.sniffing import TextTable, parse_table, with_points
-from bayescal.points.text import quoted
+from bayescal.points.tables.content import read_content
+from bayescal.points.tables.sniffing import TextTable, parse_table, with_points
+from bayescal.points.tables.text import quoted
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,12 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.board import Board
-from bayescal.points.formats.arrays import Seen, assembled
-from bayescal.points.formats.source import Source
 from bayescal.points.setup import LARGEST_PX
-from bayescal.points.text import decode, quoted
-from bayescal.points.views import Views
+from bayescal.points.tables.text import decode, quoted
+from bayescal.points.views.board import Board
+from bayescal.points.views.formats.arrays import Seen, assembled
+from bayescal.points.views.formats.source import Source
+from bayescal.points.views.views import Views
 
 NAME = "corners.vnl"
 DEEPEST = 30  # level

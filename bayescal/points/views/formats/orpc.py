@@ -18,11 +18,11 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.content import read_file
-from bayescal.points.formats.arrays import Seen, assembled
-from bayescal.points.formats.source import Source
-from bayescal.points.text import decode, quoted
-from bayescal.points.views import Views
+from bayescal.points.tables.content import read_file
+from bayescal.points.tables.text import decode, quoted
+from bayescal.points.views.formats.arrays import Seen, assembled
+from bayescal.points.views.formats.source import Source
+from bayescal.points.views.views import Views
 from bayescal.rounding import counted
 
 NAME = "ORPC corners"

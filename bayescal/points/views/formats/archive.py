@@ -12,7 +12,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.text import quoted
+from bayescal.points.tables.text import quoted
 
 LARGEST = 256_000_000  # bytes of all arrays read, unpacked
 MOST_MEMBERS = 20_000

@@ -6,8 +6,8 @@ import numbers
 from typing import Any
 
 from bayescal.errors import InputError
-from bayescal.points.sniffing import Line, TextTable
-from bayescal.points.text import quoted
+from bayescal.points.tables.sniffing import Line, TextTable
+from bayescal.points.tables.text import quoted
 
 
 def is_frame(value: object) -> bool:

@@ -13,8 +13,8 @@ from bayescal.arrays import Array, ArrayLike, IntArray, frozen
 from bayescal.errors import InputError
 from bayescal.points.correspondences import one_line
 from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
-from bayescal.points.view_checks import check_views
-from bayescal.points.view_rows import ViewRows, fixed
+from bayescal.points.views.checks import check_views
+from bayescal.points.views.rows import ViewRows, fixed
 from bayescal.rounding import counted
 
 # Points nearer than this fraction of the target's diagonal are one point, written with rounding.

@@ -10,10 +10,10 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.formats.source import Source
-from bayescal.points.text import quoted
-from bayescal.points.view_checks import FEWEST
-from bayescal.points.views import Views
+from bayescal.points.tables.text import quoted
+from bayescal.points.views.checks import FEWEST
+from bayescal.points.views.formats.source import Source
+from bayescal.points.views.views import Views
 from bayescal.rounding import counted
 
 # Names with underscores left out, in any case; a view's number may follow.

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from bayescal.errors import InputError
-from bayescal.points.sniffing import SEPARATORS, TextTable, to_float
-from bayescal.points.text import quoted
+from bayescal.points.tables.sniffing import SEPARATORS, TextTable, to_float
+from bayescal.points.tables.text import quoted
 
 # r is horizontal and c vertical here, so that a file's column number is r and its row number c.
 ALIASES: dict[str, tuple[str, ...]] = {

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bayescal.errors import InputError
-from bayescal.points.board import Board
+from bayescal.points.views.board import Board
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import numpy as np
 
 from bayescal.arrays import Array, IntArray
 from bayescal.errors import InputError
-from bayescal.points.text import quoted
-from bayescal.points.view_rows import ViewRows
+from bayescal.points.tables.text import quoted
+from bayescal.points.views.rows import ViewRows
 from bayescal.rounding import counted
 
 FEWEST = 4  # points of a view: a pose has six numbers, a point gives two, and one more to check

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 
 from bayescal.errors import InputError
-from bayescal.points.text import quoted
+from bayescal.points.tables.text import quoted
 
 # How a separator is called in a note; runs of blanks count as one.
 SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}

@@ -19,10 +19,10 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.formats.arrays import Seen, assembled, image_size, plain, views_of
-from bayescal.points.formats.mat_contents import numeric_variables
-from bayescal.points.formats.source import Source
-from bayescal.points.views import Views
+from bayescal.points.views.formats.arrays import Seen, assembled, image_size, plain, views_of
+from bayescal.points.views.formats.mat_contents import numeric_variables
+from bayescal.points.views.formats.source import Source
+from bayescal.points.views.views import Views
 from bayescal.rounding import counted
 
 NAME = "MATLAB file"

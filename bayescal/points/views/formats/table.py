@@ -17,14 +17,14 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.columns import PIXEL_SIGMAS, Columns
-from bayescal.points.content import Content
 from bayescal.points.exports import parquet, spreadsheet
-from bayescal.points.formats.source import Source
-from bayescal.points.frames import frame_table
-from bayescal.points.table import Row, Rows, number, read_rows, rows_of
-from bayescal.points.text import quoted
-from bayescal.points.views import Views
+from bayescal.points.tables.columns import PIXEL_SIGMAS, Columns
+from bayescal.points.tables.content import Content
+from bayescal.points.tables.frames import frame_table
+from bayescal.points.tables.table import Row, Rows, number, read_rows, rows_of
+from bayescal.points.tables.text import quoted
+from bayescal.points.views.formats.source import Source
+from bayescal.points.views.views import Views
 
 NAME = "table of views"
 REQUIRED = ("view", "x", "y", "z", "r", "c")

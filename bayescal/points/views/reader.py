@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from bayescal.errors import InputError
-from bayescal.points.board import Board, board_named
-from bayescal.points.columns import parse_stated
-from bayescal.points.formats import orpc, table
-from bayescal.points.formats.source import Source
-from bayescal.points.frames import is_frame
 from bayescal.points.setup import Setup, load_setup
-from bayescal.points.table import read_bytes
-from bayescal.points.text import quoted
-from bayescal.points.views import Views
+from bayescal.points.tables.columns import parse_stated
+from bayescal.points.tables.frames import is_frame
+from bayescal.points.tables.table import read_bytes
+from bayescal.points.tables.text import quoted
+from bayescal.points.views.board import Board, board_named
+from bayescal.points.views.formats import orpc, table
+from bayescal.points.views.formats.source import Source
+from bayescal.points.views.views import Views
 from bayescal.rounding import counted
 
 # Formats in the order they are tried; the table takes what is left.
@@ -134,7 +134,7 @@ def _kept(views: Views, only: str | None) -> Views:
 
 def _format(source: Source) -> Any:
     """Find the module that reads a file."""
-    modules = (import_module(f"bayescal.points.formats.{name}") for name in FORMATS)
+    modules = (import_module(f"bayescal.points.views.formats.{name}") for name in FORMATS)
     found = next(module for module in modules if module.recognises(source))
     if source.columns and found is not table:
         raise InputError(f"{source.name}: is a {found.NAME}, whose columns are known")

@@ -18,12 +18,12 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.board import Board
-from bayescal.points.formats.archive import read_arrays
-from bayescal.points.formats.arrays import Seen, assembled
-from bayescal.points.formats.source import Source
-from bayescal.points.text import decode
-from bayescal.points.views import Views
+from bayescal.points.tables.text import decode
+from bayescal.points.views.board import Board
+from bayescal.points.views.formats.archive import read_arrays
+from bayescal.points.views.formats.arrays import Seen, assembled
+from bayescal.points.views.formats.source import Source
+from bayescal.points.views.views import Views
 from bayescal.rounding import counted
 
 NAME = ".cameramodel"

@@ -1,0 +1,1 @@
+"""Tables that people write: read within bounds, taken apart, their columns named."""
