@@ -10,9 +10,7 @@ detectCheckerboardPoints and generateCheckerboardPoints return them; ``imageSize
 from __future__ import annotations
 
 import hashlib
-import io
 import re
-import warnings
 from collections.abc import Mapping
 
 import numpy as np
@@ -65,24 +63,16 @@ def _wanted(name: str) -> bool:
 
 
 def _load(source: Source) -> dict[str, Array]:
-    """Read the variables that matter, once they are known to be arrays of numbers of sane size."""
+    """Read the variables that matter, where they are arrays of real numbers."""
     if source.raw[:128].startswith(b"MATLAB 7.3") or source.raw.startswith(b"\x89HDF"):
         raise InputError(f"{source.name}: is of MATLAB's version 7.3; save it with -v7")
-    names = [name for name in numeric_variables(source.name, source.raw) if _wanted(name)]
-    if not names:
+    found = numeric_variables(source.name, source.raw, _wanted)
+    if not found:
         raise InputError(
             f"{source.name}: holds neither Bouguet's X_1, x_1, ... nor arrays imagePoints and "
             "worldPoints; save those (an object such as cameraParams can't be read)"
         )
-    from scipy.io import loadmat  # it takes a while to import
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of variables that stand twice
-            variables = loadmat(io.BytesIO(source.raw), variable_names=names)
-        return {n: np.asarray(variables[n], dtype=np.float64) for n in names if n in variables}
-    except Exception:  # a broken file ends in any of a dozen
-        raise InputError(f"{source.name}: is no sound MATLAB file; save it again") from None
+    return found
 
 
 def _bouguet(found: Mapping[str, Array]) -> list[tuple[int, Array, Array]]:

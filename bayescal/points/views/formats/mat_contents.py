@@ -1,28 +1,33 @@
-"""What a MATLAB file holds, looked at before anything is made of it.
+"""Arrays of numbers in a MATLAB file, from elements that are walked one by one.
 
-scipy unpacks whatever a file says. This walks the elements of a file (MathWorks, "MAT-File
-Format", level 5), unpacks no more than a stated size, and names the variables that are arrays of
-numbers and no larger than their bytes.
+scipy's reader unpacks whatever a file says, and a broken file can end the process in it. This
+walks the elements (MathWorks, "MAT-File Format", level 5), unpacks no more than a stated size, and
+takes the variables that are arrays of numbers and exactly as large as they say.
 """
 
 from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
+import numpy as np
+
+from bayescal.arrays import Array
 from bayescal.errors import InputError
 
 LARGEST = 256_000_000  # bytes of all variables, unpacked
 HEADER = 128
 MATRIX, COMPRESSED = 14, 15
-INT8, INT32, UINT32 = 1, 5, 6
-NUMERIC = range(6, 16)  # double, single, and integers of all widths
+NUMERIC = range(6, 16)  # classes: double, single, and integers of all widths
+# Types of stored values: signed and unsigned integers of 8, 16, 32 bits, floats, 64 bits.
+STORED = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8"}
+STORED |= {12: "i8", 13: "u8"}
 MOST_VARIABLES = 100_000
 
 
-def numeric_variables(name: str, raw: bytes) -> list[str]:
-    """Names of the variables that hold plain arrays of numbers.
+def numeric_variables(name: str, raw: bytes, wanted: Callable[[str], bool]) -> dict[str, Array]:
+    """Read the wanted variables that are arrays of real numbers, the last of each name.
 
     Raises
     ------
@@ -32,13 +37,15 @@ def numeric_variables(name: str, raw: bytes) -> list[str]:
     if raw[124:128] not in (b"\x00\x01IM", b"\x01\x00MI"):
         raise InputError(f"{name}: is no MATLAB file of version 5 to 7; save it with -v7")
     order = "<" if raw[126:128] == b"IM" else ">"
-    found = []
+    found: dict[str, Array] = {}
     try:
         for matrix in _matrices(name, raw, order):
-            variable = _variable(matrix, order)
-            if variable is not None:
-                found.append(variable)
-    except (struct.error, zlib.error, UnicodeDecodeError, IndexError):
+            variable, shape, values = _described(matrix, order)
+            if shape is not None and wanted(variable):
+                found[variable] = _array(matrix, values, shape, order)
+    except InputError:
+        raise
+    except (struct.error, zlib.error, UnicodeDecodeError, ValueError, KeyError):
         raise InputError(f"{name}: is no sound MATLAB file; save it again") from None
     return found
 
@@ -67,20 +74,26 @@ def _matrices(name: str, raw: bytes, order: str) -> Iterator[bytes]:
         at += 8 + struct.unpack_from(order + "I", raw, at + 4)[0]
 
 
-def _variable(matrix: bytes, order: str) -> str | None:
-    """Name of a variable, where it is an array of numbers that its bytes can hold."""
+def _described(matrix: bytes, order: str) -> tuple[str, tuple[int, ...] | None, int]:
+    """Name of a variable, its shape if an array of real numbers, and where its values begin."""
     _, flags, at = _element(matrix, 0, order)
     kind = struct.unpack_from(order + "I", flags)[0]
     is_complex = bool(kind & 0x0800)
+    if kind & 0xFF not in NUMERIC or is_complex:
+        return "", None, at
     _, sides, at = _element(matrix, at, order)
     shape = struct.unpack(f"{order}{len(sides) // 4}i", sides[: len(sides) // 4 * 4])
     _, text, at = _element(matrix, at, order)
-    count = 1
-    for side in shape:
-        count *= max(side, 0)
-    if kind & 0xFF not in NUMERIC or is_complex or len(shape) > 4 or count > len(matrix):
-        return None
-    return text.decode("ascii")
+    return text.decode("ascii"), shape, at
+
+
+def _array(matrix: bytes, at: int, shape: tuple[int, ...], order: str) -> Array:
+    """Take values column by column, stored in the smallest type that holds them."""
+    kind, values, _ = _element(matrix, at, order)
+    stored = np.frombuffer(values, order + STORED[kind])
+    if min(shape) < 0:
+        raise ValueError("negative sides")
+    return stored.astype(np.float64).reshape(shape, order="F")
 
 
 def _element(content: bytes, at: int, order: str) -> tuple[int, bytes, int]:
@@ -91,4 +104,6 @@ def _element(content: bytes, at: int, order: str) -> tuple[int, bytes, int]:
         return first & 0xFFFF, content[at + 4 : at + 4 + min(length, 4)], at + 8
     length = struct.unpack_from(order + "I", content, at + 4)[0]
     end = at + 8 + length
+    if end > len(content):
+        raise struct.error("cut short")
     return first, content[at + 8 : end], end + -length % 8
