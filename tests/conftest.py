@@ -20,3 +20,11 @@ def one_thread():
 def thesis_comparison() -> Comparison:
     """Orders 1 to 5 of both axes of the thesis data, with every default."""
     return bc.compare(bc.thesis())
+
+
+@pytest.fixture(scope="session")
+def lens_comparison():
+    """One lens over a few simulated views."""
+    from tests.helpers.multi_view import lens_result
+
+    return lens_result()

@@ -40,11 +40,11 @@ class AxisDraws:
     eta: Array
 
 
-def thinned(draws: Array) -> Array:
-    """Evenly spaced rows of draws, `KEPT` of them; all, again and again, where there are fewer."""
-    if len(draws) < KEPT:
-        return draws[np.arange(KEPT) % len(draws)]
-    return draws[np.linspace(0, len(draws) - 1, KEPT).round().astype(np.intp)]
+def thinned(draws: Array, n: int = KEPT) -> Array:
+    """Evenly spaced rows of draws, `n` of them; all, again and again, where there are fewer."""
+    if len(draws) < n:
+        return draws[np.arange(n) % len(draws)]
+    return draws[np.linspace(0, len(draws) - 1, n).round().astype(np.intp)]
 
 
 def completed(kept: Posterior | WeightedDraws) -> Array:

@@ -107,12 +107,8 @@ def _lens_rays(member: LensMember, theta: Array, pixels: Array) -> Rays:
     undistorted = member.lens.undistort(plane, k)
     unit = np.where(undistorted.found[..., None], undistorted.rays, 0.0)
     unit[..., 2] = np.where(undistorted.found, unit[..., 2], 1.0)
-    origin = np.zeros((len(theta), 3))
-    if member.posed:
-        matrix, t = member.pose(theta)
-        unit = unit @ matrix
-        origin = -np.einsum("mji,mj->mi", matrix, t)
-    return Rays(origin, unit, undistorted.found)
+    matrix, t = member.pose(theta)
+    return Rays(-np.einsum("mji,mj->mi", matrix, t), unit @ matrix, undistorted.found)
 
 
 def _line_solutions(member: PolynomialMember, pixels: Array) -> Solutions:

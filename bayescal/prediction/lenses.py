@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from bayescal.arrays import Array
 from bayescal.calibration.averaging import averaged_draws
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
+from bayescal.prediction.alignment import absorbed_turns
 from bayescal.prediction.calibrated import CalibratedCamera, normalised
 from bayescal.prediction.draws import KEPT, thinned
 from bayescal.prediction.hull import hull_of
+from bayescal.prediction.inverse import rays
 from bayescal.prediction.members import LensMember, Parameters
 from bayescal.prediction.noise import NewNoise
 
+ALIGNED = 100  # calibration pixels that fix the frame
 MOST = 4  # lenses kept of the plausible ones: each is drawn anew
 
 
@@ -22,42 +28,70 @@ def lens_camera(found: LensComparison) -> CalibratedCamera:
     """Make the camera of a comparison of lens models."""
     plausible = [j for j in found.lenses if j.key in found.verdict.plausible][:MOST]
     children = np.random.default_rng([found.request.seed, 2]).spawn(len(plausible))
-    members = tuple(
-        _member(found, judged, rng) for judged, rng in zip(plausible, children, strict=True)
-    )
+    data, views = found.setting.data, found.views
+    hull, seen = hull_of(views.pixels), thinned(data.pixels[data.seen], ALIGNED)
+    members: list[LensMember] = []
+    for judged, rng in zip(plausible, children, strict=True):
+        theta = _lens_draws(found, judged, rng)
+        members.append(
+            lens_member(judged.key, theta, hull, _noise(found, judged, rng), seen, members[:1])
+        )
     weights = [judged.probability for judged in plausible]
-    views, (width, height) = found.views, found.setting.data.size
     return CalibratedCamera(
-        members,
+        tuple(members),
         normalised(weights),
         sum(weights),
         found.verdict.status != "decided" and len(members) > 1,
-        (width, height),
+        data.size,
         False,
-        hull_of(views.pixels),
+        hull,
         found.range,
         views.source,
         found.notes,
     )
 
 
-def _member(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) -> LensMember:
+def lens_member(
+    key: str,
+    theta: Array,
+    hull: Array,
+    noise: NewNoise,
+    seen: Array,
+    reference: Sequence[LensMember] = (),
+) -> LensMember:
+    """Make a lens without a place in the world from its draws, each turned as the poses allow.
+
+    Parameters
+    ----------
+    key : str
+        As tables name the lens.
+    theta : Array
+        ln fx, ln fy, cx, cy, coefficients, ``(n_draws, d)``.
+    hull : Array
+        Of the calibration pixels, px.
+    noise : NewNoise
+    seen : Array
+        Some of the calibration pixels, ``(n, 2)``, px: what the poses hold to.
+    reference : sequence of LensMember
+        One whose mean's frame is taken; none for the lens's own.
+    """
+    name, options = named(key)
+    plain = LensMember(key, name, options, None, None, hull, Parameters.of_draws(theta), noise)
+    base = reference[0] if reference else plain
+    sight = rays(base, base.parameters.mean[None], seen[None], None)
+    known = sight.found[0]
+    intrinsics, k = plain.intrinsics(theta)
+    turns = absorbed_turns(plain.lens, intrinsics, k, sight.direction[0, known], seen[known])
+    draws = np.concatenate([theta, turns], axis=1)
+    return replace(plain, turn=np.eye(3), parameters=Parameters.of_draws(draws))
+
+
+def _lens_draws(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) -> Array:
+    """Draws of a lens as a member has them, ``(KEPT, d)``."""
     best = judged.key == found.best.key
     draws = found.draws if best else averaged_draws(judged.evidence, found.setting, rng, KEPT)
-    model = judged.evidence.problem.model
-    intrinsics, k, _ = model.physical(thinned(draws))
-    theta = np.concatenate([np.log(intrinsics[:, :2]), intrinsics[:, 2:], k], axis=1)
-    name, options = named(judged.key)
-    return LensMember(
-        judged.key,
-        name,
-        options,
-        None,
-        None,
-        hull_of(found.views.pixels),
-        Parameters.of_draws(theta),
-        _noise(found, judged, rng),
-    )
+    intrinsics, k, _ = judged.evidence.problem.model.physical(thinned(draws))
+    return np.concatenate([np.log(intrinsics[:, :2]), intrinsics[:, 2:], k], axis=1)
 
 
 def _noise(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) -> NewNoise:

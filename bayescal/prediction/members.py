@@ -69,14 +69,14 @@ class Member(Protocol):
     def noise(self) -> NewNoise: ...  # noqa: D102
 
     def project(self, theta: Array, world: Array) -> tuple[Array, BoolArray]:
-        """Pixels r, c ``(m, n, 2)`` of points ``(n, 3)``, and which are seen ``(m, n)``.
+        """Pixels r, c ``(m, n, 2)`` of points, and which are seen ``(m, n)``.
 
         Parameters
         ----------
         theta : Array
             ``(m, d)``.
         world : Array
-            ``(n, 3)``; where the lens has no pose, in the camera's frame.
+            ``(n, 3)`` or ``(m, n, 3)``; where the lens has no pose, in the camera's frame.
         """
 
     def covered(self, world: Array) -> BoolArray:
@@ -203,7 +203,8 @@ class LensMember:
 
     Parameters: ln fx, ln fy; cx, cy (px); the lens's coefficients; then the pose: a turn from
     `turn` on the camera's side (rad), the undistorted pixel of `anchor` (px), ln of its depth over
-    fx. The data fix these to about a pixel each whatever the focal length is.
+    fx. The data fix these to about a pixel each whatever the focal length is. A lens of many views
+    has of these the turn that their poses absorb (`bayescal.prediction.alignment`).
 
     Attributes
     ----------
@@ -212,9 +213,9 @@ class LensMember:
     lens_options : dict
         As `bayescal.cameras.lenses.lens_named` takes them.
     turn : Array or None
-        Rotation matrix of the pose's mean, ``(3, 3)``; None without a pose.
+        Rotation matrix of the pose's mean, ``(3, 3)``; None where parameters hold no turn.
     anchor : Array or None
-        A world point among those calibrated with, ``(3,)``.
+        A world point among those calibrated with, ``(3,)``; None without a place in the world.
     hull : Array
         Corners of the calibration pixels' hull, ``(m, 2)``, px.
     parameters : Parameters
@@ -237,8 +238,8 @@ class LensMember:
 
     @property
     def posed(self) -> bool:
-        """Whether world points have a place before it."""
-        return self.turn is not None
+        """Whether it has a place in the world; else points are in the camera's frame."""
+        return self.anchor is not None
 
     @property
     def n_lens(self) -> int:
@@ -254,19 +255,19 @@ class LensMember:
         """Rotation matrices ``(m, 3, 3)`` and translations ``(m, 3)``: p = R X + t."""
         from bayescal.cameras.pose import rotations
 
-        assert self.turn is not None, "the lens has no pose"
-        assert self.anchor is not None, "nor a point to hold it by"
         at = self.n_lens
+        if self.turn is None:
+            return np.broadcast_to(np.eye(3), (len(theta), 3, 3)), np.zeros((len(theta), 3))
         matrix = rotations(theta[:, at : at + 3]) @ self.turn
+        if self.anchor is None:
+            return matrix, np.zeros((len(theta), 3))
         focal = np.exp(theta[:, :2])
         depth = np.exp(theta[:, 0] + theta[:, at + 5])
         sides = (theta[:, at + 3 : at + 5] - theta[:, 2:4]) / focal * depth[:, None]
         return matrix, np.column_stack([sides, depth]) - matrix @ self.anchor
 
     def rays(self, theta: Array, world: Array) -> Array:
-        """World points in the camera's frame, ``(m, n, 3)``."""
-        if not self.posed:
-            return np.broadcast_to(world, (len(theta), *world.shape))
+        """World points ``(n, 3)`` or ``(m, n, 3)`` in the camera's frame, ``(m, n, 3)``."""
         matrix, t = self.pose(theta)
         return np.asarray(world @ np.swapaxes(matrix, 1, 2) + t[:, None, :])
 

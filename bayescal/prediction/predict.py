@@ -29,6 +29,10 @@ BY_DRAWS = 4_000_000  # draws times points that are averaged one by one
 CHECKED = 200  # points that are propagated both ways
 NOTICEABLE = 0.05  # relative difference of the two: the second digit of a deviation
 PROBABILITY = 0.95
+FRAME = (
+    "Points are in the camera's frame as its mean lens has it; the turn that the poses of the "
+    "views absorb is no part of sd."
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +125,7 @@ def predict(
     members, weights = camera.used
     found = [moments(member, points) for member in members]
     notes = tuple(dict.fromkeys(note for m in members for note in _checked_by_draws(m, points)))
+    notes = notes if camera.posed else (*notes, FRAME)
     mean, within, between = averaged(found, weights)
     lower, upper, new_sd = _intervals(members, weights, found, within + between)
     seen = found[0].seen
