@@ -13,8 +13,9 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.linear.closed_form import ExactPosterior
 
-# Nodes that hold less than this probability, shared among all, can't be seen.
-UNSEEN = 1e-5
+# Nodes of sigma that hold less than this probability, shared among all, can't be seen; nor can
+# the lightest normals of a mixture that hold this much together.
+UNSEEN, LIGHTEST = 1e-5, 1e-3
 REACH = 4.5  # standard deviations, shown on either side of a coefficient's mean
 PLACES = 61
 BLOCK = 8
@@ -141,7 +142,9 @@ class Densities:
         weights = self._weights[:, seen]
         starts = np.arange(0, weights.shape[1], BLOCK)
         total = np.add.reduceat(weights, starts, axis=1)
-        some = total > UNSEEN / total.size
+        rising = np.sort(total, axis=None)
+        held = np.searchsorted(np.cumsum(rising), LIGHTEST * rising.sum(), side="right")
+        some = total >= rising[min(held, rising.size - 1)]
         total = np.where(total > 0, total, 1.0)
         mean = np.add.reduceat(weights[..., None] * means, starts, axis=1) / total[..., None]
         shift = means - np.repeat(mean, np.diff(np.append(starts, weights.shape[1])), axis=1)
@@ -158,27 +161,14 @@ class Densities:
         total = (total + (weights[:, None] * centred).T @ centred) / weights.sum()
         sd = np.sqrt(np.diag(total))
         rho = np.clip(total[0, 1] / sd.prod(), -LARGEST_CORRELATION, LARGEST_CORRELATION)
-        u, v = np.meshgrid(*[np.linspace(-REACH, REACH, PLACES)] * 2)
-        dx, dy = sd[0] * u, sd[1] * (rho * u + np.sqrt(1 - rho**2) * v)
-        density, step = np.zeros_like(u), 2 * REACH / (PLACES - 1)
-        to_mesh = np.linalg.inv(sd[:, None] * np.array([[1, 0], [rho, np.sqrt(1 - rho**2)]]))
-        for weight, shift, covariance in zip(weights, centred, covariances, strict=True):
-            shown = _seen_on_mesh(covariance, to_mesh, step)
-            s = np.sqrt(np.diag(shown))
-            r = np.clip(shown[0, 1] / s.prod(), -LARGEST_CORRELATION, LARGEST_CORRELATION)
-            a, b = (dx - shift[0]) / s[0], (dy - shift[1]) / s[1]
-            spare = 1 - r**2
-            density += (
-                weight
-                / (2 * np.pi * s.prod() * np.sqrt(spare))
-                * np.exp(-(a**2 + ((b - r * a) ** 2) / spare) / 2)
-            )
-        return Surface(
-            mean[0] + dx,
-            mean[1] + dy,
-            density,
-            density * step**2 * sd.prod() * np.sqrt(1 - rho**2),
-        )
+        from_mesh = sd[:, None] * np.array([[1, 0], [rho, np.sqrt(1 - rho**2)]])
+        to_mesh, area = np.linalg.inv(from_mesh), sd.prod() * np.sqrt(1 - rho**2)
+        side, step = np.linspace(-REACH, REACH, PLACES, retstep=True)
+        mesh = np.stack([axis.ravel() for axis in np.meshgrid(side, side)], axis=1)
+        normals = to_mesh @ covariances @ to_mesh.T, centred @ to_mesh.T
+        density = _mixture(mesh, weights, *normals, step).reshape(PLACES, PLACES)
+        x, y = (mean + mesh @ from_mesh.T).T.reshape(2, PLACES, PLACES)
+        return Surface(x, y, density / area, density * step**2)
 
     def _with_node(self, i: int, name: str) -> Surface:
         """Lay a coefficient along x, sigma or tau along y."""
@@ -198,11 +188,21 @@ class Densities:
         return Surface(mesh_x, mesh_y, density, mass_per_x * (x[1] - x[0]))
 
 
-def _seen_on_mesh(covariance: Array, to_mesh: Array, step: float) -> Array:
-    """Covariance ``(2, 2)``, widened where it is sharper than the mesh's step."""
-    values, vectors = np.linalg.eigh(to_mesh @ covariance @ to_mesh.T)
-    least = (SHARPEST * step) ** 2
-    if values[0] >= least:
-        return covariance
-    back = np.linalg.inv(to_mesh) @ vectors
-    return np.asarray((back * np.maximum(values, least)) @ back.T)
+def _mixture(mesh: Array, weights: Array, covariances: Array, means: Array, step: float) -> Array:
+    """Density of a mixture of normals at places of a mesh, ``(n_places,)``.
+
+    Those sharper than the mesh's step are widened. Every exponent is one row of a matrix
+    product, of squares, products and values of the places: twice as fast as one normal
+    after the other.
+    """
+    values, vectors = np.linalg.eigh(covariances)
+    values = np.maximum(values, (SHARPEST * step) ** 2)
+    precision = (vectors / values[:, None, :]) @ vectors.transpose(0, 2, 1)
+    pull = np.einsum("kab,kb->ka", precision, means)
+    constant = np.einsum("ka,ka->k", pull, means) + np.log(values).sum(axis=1)
+    u, v = mesh.T
+    terms = np.stack([u**2, u * v, v**2, u, v, np.ones_like(u)], axis=1)
+    weighing = np.stack(
+        [precision[:, 0, 0], 2 * precision[:, 0, 1], precision[:, 1, 1], *(-2 * pull.T), constant]
+    )
+    return np.asarray(np.exp(terms @ weighing / -2) @ weights / (2 * np.pi))
