@@ -16,6 +16,8 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import main
+from bayescal.report.figures.comparison.verdict import alt_text
+from bayescal.report.figures.subject import Subject
 
 F, K1, SIGMA = 3000.0, -0.1, 0.5
 CAMERA = ["--camera-position", "0", "0", "0", "--image-width", "1920", "--image-height", "1080"]
@@ -86,6 +88,13 @@ def test_the_page_says_it_all(document, tmp_path):
     assert "decided at 95%" not in shown
     headlines = [re.split(r"; not decided|: ", text)[0] for text in said(document)]
     assert [text for text in headlines if plain(text) not in shown] == []
+
+
+def test_the_picture_does_not_call_decided_what_is_not(document):
+    found = bc.open_run(document["run"])
+    words = alt_text(Subject(found, None))
+    assert "decided at" not in words
+    assert words.count("not decided") + words.count("not excluded") == 2
 
 
 def test_python_and_notebooks_say_it_all(document):

@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
+from bayescal.comparison.adequacy.block import adequacy
+from bayescal.comparison.adequacy.outcome import AdequacyTest
 from bayescal.comparison.averaging import averaged_over, averaged_words
 from bayescal.comparison.axis import Axis
-from bayescal.comparison.findings.case import Case
-from bayescal.comparison.findings.finding import ordered
+from bayescal.comparison.findings.case import Case, best_of
 from bayescal.comparison.findings.kinds import findings
-from bayescal.comparison.goodness import NO_REFERENCE, ReferenceSigma, reference_sigma
+from bayescal.comparison.goodness import NO_REFERENCE, reference_sigma
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.key import POLYNOMIAL, Key
 from bayescal.comparison.notes import notes
@@ -29,7 +29,6 @@ from bayescal.comparison.sufficiency import sufficiency
 from bayescal.comparison.verdict import AxisVerdict, verdict_on
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.gaussian import GAUSSIAN
-from bayescal.noise.model import NoiseModel
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.geometry import odd_geometry
 from bayescal.points.groups import Groups, groups_of
@@ -119,9 +118,10 @@ def _compare(
         reference = reference_sigma(axis.noise, axis.fit(axis.highest), replicates)
     candidates = [order_of(axis, k, shape, reference) for k in orders]
     results = judge_all(candidates, store, settings, partial(_tell, progress))
-    verdict = _verdict(axis, results, shape, reference, around, settings)
+    tests = _tests(axis, best_of(results), around, settings) if shape.name == GAUSSIAN.name else ()
+    case = Case(axis, results, shape, reference, tests, around.geometry)
+    verdict = _verdict(case, settings)
     averaged = averaged_over(axis, results, verdict.order)
-    unit = "" if data.axis == "y" else " px"
     plain = AxisComparison(
         data,
         axis.noise,
@@ -130,35 +130,19 @@ def _compare(
         reference,
         pure_error(data.x, None, data.t),
         results,
-        verdict.with_findings((), averaged_words(averaged, unit)),
+        verdict.with_findings((), averaged_words(averaged)),
         noise_model=shape,
         averaged=averaged,
     )
     if not settings.defend:
         return plain
     _tell(progress, Key.of_axis(data.axis, 0, shape.name))
-    return _defended(plain, axis, around, store, settings)
+    return _defended(replace(plain, adequacy=tests), axis, around, store, settings)
 
 
-def _verdict(
-    axis: Axis,
-    results: Sequence[OrderResult],
-    shape: NoiseModel,
-    reference: ReferenceSigma,
-    around: _Around,
-    settings: Settings,
-) -> AxisVerdict:
+def _verdict(case: Case, settings: Settings) -> AxisVerdict:
     """Say which order, what stands against it, and whether it is enough."""
-    case = Case(
-        axis,
-        results,
-        shape,
-        reference,
-        around.other,
-        around.depth,
-        around.group_names,
-        around.geometry,
-    )
+    axis, results = case.axis, case.results
     enough = partial(
         sufficiency,
         axis.data,
@@ -182,6 +166,7 @@ def _defended(
     from bayescal.comparison.defence.argument import argue
     from bayescal.comparison.defence.defence import defend
     from bayescal.comparison.defence.other_noise import about_noise
+    from bayescal.comparison.defence.world_units import world_units
 
     rng = Key.of_axis(axis.data.axis, 0, GAUSSIAN.name).rng(settings.seed)
     results, verdict, shape = plain.orders, plain.verdict, plain.noise_model
@@ -190,31 +175,27 @@ def _defended(
     argued = about_noise(
         argue(verdict, defence, criteria, axis.data.size), plain.chosen, defence.noises
     )
-    whole = replace(plain, verdict=argued, defence=defence)
-    return _tested(whole, around, rng) if shape.name == GAUSSIAN.name else whole
+    # Stated errors of world coordinates need no hint of what they are worth.
+    camera = around.camera if axis.data.x_sd is None and shape.name == GAUSSIAN.name else None
+    units = () if camera is None else world_units(axis.data, plain.chosen.fit, camera)
+    return replace(plain, verdict=argued, defence=defence, world_units=units)
 
 
-def _tested(plain: AxisComparison, around: _Around, rng: np.random.Generator) -> AxisComparison:
-    """Add tests of the recommended order's residuals, which assume Gaussian noise."""
-    from bayescal.comparison.adequacy.block import adequacy
-    from bayescal.comparison.defence.world_units import world_units
-    from bayescal.comparison.findings.misfit import concerning
-
-    data, chosen, camera = plain.data, plain.chosen, around.camera
-    draws = chosen.posterior.chain.draws
-    tests = adequacy(
-        data,
-        chosen.fit,
-        plain.noise,
+def _tests(
+    axis: Axis, result: OrderResult, around: _Around, settings: Settings
+) -> tuple[AdequacyTest, ...]:
+    """Test an order's residuals; a defence asks what its draws predict, too."""
+    draws = None
+    if settings.defend:
+        drawn = result.posterior.chain.draws
+        draws = drawn.reshape(-1, drawn.shape[2])
+    return adequacy(
+        axis.data,
+        axis.fit(result.order),
+        axis.noise,
         around.other,
         around.depth,
         around.group_names,
-        draws.reshape(-1, draws.shape[2]),
-        rng,
+        draws,
+        Key.of_axis(axis.data.axis, 0, GAUSSIAN.name).rng(settings.seed, 1),
     )
-    before = [f for f in plain.verdict.findings if not f.kind.startswith("misfit")]
-    verdict = replace(plain.verdict, findings=ordered((*before, *concerning(tests))))
-    # Stated errors of world coordinates need no hint of what they are worth.
-    unstated = camera if data.x_sd is None else None
-    units = () if unstated is None else world_units(data, chosen.fit, unstated)
-    return replace(plain, verdict=verdict, adequacy=tests, world_units=units)

@@ -47,6 +47,8 @@ class AveragedPrediction:
         Averaged over orders, ``(n_places,)``, px.
     between : Array
         The part of `sd` between orders, ``(n_places,)``, px.
+    unit : str
+        ``"px"``, or nothing of a generic y.
     """
 
     order: int
@@ -57,6 +59,7 @@ class AveragedPrediction:
     mean: Array
     sd: Array
     between: Array
+    unit: str = "px"
 
 
 def averaged_prediction(
@@ -64,6 +67,7 @@ def averaged_prediction(
     posteriors: Mapping[int, ExactPosterior],
     probability: Mapping[int, float],
     order: int,
+    unit: str = "px",
 ) -> AveragedPrediction:
     """Average the orders' predictions at five places of the domain.
 
@@ -77,6 +81,8 @@ def averaged_prediction(
         Of each of them, summing to 1.
     order : int
         The one whose prediction stands beside.
+    unit : str, optional
+        Of a prediction.
     """
     s = np.array(PLACES)
     means, sds = {}, {}
@@ -98,6 +104,7 @@ def averaged_prediction(
         mean,
         np.sqrt(within + between),
         np.sqrt(between),
+        unit,
     )
 
 
@@ -134,12 +141,13 @@ def averaged_over(
         return None
     exact = dict(sorted(exact.items()))
     weights = probabilities([e.log_integral for e in exact.values()])
+    unit = "" if axis.data.axis == "y" else "px"
     return averaged_prediction(
-        axis.data.domain, exact, dict(zip(exact, weights, strict=True)), order
+        axis.data.domain, exact, dict(zip(exact, weights, strict=True)), order, unit
     )
 
 
-def averaged_words(found: AveragedPrediction | None, unit: str) -> str:
+def averaged_words(found: AveragedPrediction | None) -> str:
     """Say what the choice of an order leaves out of its intervals, where that is worth a word."""
     if found is None:
         return ""
@@ -148,6 +156,7 @@ def averaged_words(found: AveragedPrediction | None, unit: str) -> str:
     sd, between, own = (float(v[at]) for v in (found.sd, found.between, found.chosen_sd))
     if between < SPOKEN * sd:
         return ""
+    unit = f" {found.unit}".rstrip()
     low, high = min(found.weights), max(found.weights)
     return (
         f"Averaged over orders {low} to {high}, the prediction at the domain's edge has an sd of "

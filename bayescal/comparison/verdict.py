@@ -77,6 +77,11 @@ class AxisVerdict:
         return "suffices" if self.enough is not None and self.enough.enough else "undecided"
 
     @property
+    def recommended(self) -> str:
+        """Name the recommended order."""
+        return "no order" if self.order is None else f"order {self.order}"
+
+    @property
     def standing(self) -> str:
         """How the recommended order stands, in a few words: what the headline says, shorter."""
         if self.order is None:

@@ -88,6 +88,7 @@ def test_concerns_say_multiplicity_and_what_shared_errors_do():
     lines = concerns(list(thesis_block("r", 4).values()))
     assert all("\n" not in line and not line.endswith(".") for line in lines)
     assert any("after Holm over 7 tests" in line for line in lines)
+    assert [line.count("p = ") + line.count("p < ") for line in lines] == [1] * 4 + [0]
     assert lines[-1].startswith("the p-values of the other checks assume independent errors")
 
 

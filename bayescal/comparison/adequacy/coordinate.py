@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import fdtrc
 
 from bayescal.arrays import Array
-from bayescal.comparison.adequacy.outcome import AdequacyTest, p_words, untested
+from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
 from bayescal.comparison.adequacy.problem import Extension, Problem, extension, other_name, scaled
 from bayescal.linear.replicates import clusters, within_cells
 
@@ -77,8 +77,7 @@ def _tests(
         return AdequacyTest(name, best.statistic, best.value, best.dof, p, meaning, parts=parts)
     meaning = (
         f"{', '.join(columns)} together are {joint.meaning.rstrip('.')}; strongest alone is "
-        f"{best.name}, {_worth(problem, added[best.name]):.2g} {problem.unit} "
-        f"({p_words(best.p_value or 0.0)})."
+        f"{best.name}, {_worth(problem, added[best.name]):.2g} {problem.unit}."
     )
     return AdequacyTest(
         name, joint.statistic, joint.value, joint.dof, joint.p_value, meaning, parts=parts

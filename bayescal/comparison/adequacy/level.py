@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.special import chdtr, chdtrc
 
-from bayescal.comparison.adequacy.outcome import AdequacyTest, p_words, untested
+from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
 from bayescal.comparison.adequacy.problem import Problem
 from bayescal.noise.level import WHOLE_PIXEL
 
@@ -48,8 +48,7 @@ def chi_squared(problem: Problem) -> AdequacyTest:
         chi2,
         (dof,),
         p,
-        f"chi2/dof = {chi2 / dof:.3g}, expected 1 +- {math.sqrt(2 / dof):.2g}: {says} (upper "
-        f"tail {p_words(upper)}, lower tail {p_words(lower)}).",
+        f"chi2/dof = {chi2 / dof:.3g}, expected 1 +- {math.sqrt(2 / dof):.2g}: {says}.",
     )
 
 

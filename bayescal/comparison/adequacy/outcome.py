@@ -91,8 +91,7 @@ def concerns(tests: Sequence[AdequacyTest]) -> list[str]:
             continue
         line = f"{test.name}: {test.meaning.rstrip('.')}"
         if test.p_adjusted is not None:
-            raw = p_words(test.p_value or 0.0)
-            line += f" ({raw}; {p_words(test.p_adjusted)} after Holm over {count} tests)"
+            line += f" ({p_words(test.p_adjusted)} after Holm over {count} tests)"
         lines.append(line)
     others = [t for t in tests if t.concern and t.p_value is not None and t.name != GROUPS]
     if others and any(test.concern and test.name == GROUPS for test in tests):

@@ -44,7 +44,7 @@ def argue(
     if clear:
         more.append(limits("leave-one-out", clear))
     if defence.beyond is not None:
-        more += beyond_range(defence.beyond)
+        more += beyond_range(defence.beyond, at_edge=verdict.order == max(criteria))
         text.append(_beyond(defence.beyond))
     return verdict.with_findings(more, *text)
 
@@ -53,7 +53,11 @@ def _beyond(found: Beyond) -> str:
     if found.winner is not None or not found.orders:
         return ""
     orders = ", ".join(str(k) for k in found.orders)
-    return f"Beyond the range, orders {orders} were tried and would not take its place."
+    together = percent(sum(found.probability[k] for k in found.orders))
+    return (
+        f"Beyond the range, orders {orders} were tried and would not take its place "
+        f"({together} together)."
+    )
 
 
 def _worth(defence: Defence) -> str:

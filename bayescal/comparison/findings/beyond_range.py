@@ -10,8 +10,11 @@ from bayescal.comparison.findings.finding import Finding, overturns
 from bayescal.comparison.verdict import percent
 
 
-def beyond_range(found: Beyond) -> Iterator[Finding]:
-    """Find orders beyond the range that would win, or that can't be excluded."""
+def beyond_range(found: Beyond, *, at_edge: bool) -> Iterator[Finding]:
+    """Find orders beyond the range that would win, or, of a winner at its edge, are plausible.
+
+    Below the edge the orders compared above the winner say already how much they matter.
+    """
     if not found.orders:
         return
     orders = ", ".join(str(k) for k in found.orders)
@@ -24,7 +27,7 @@ def beyond_range(found: Beyond) -> Iterator[Finding]:
             "compare more orders",
             f"order {found.winner}, which was not compared, would win",
         )
-    elif together > 1 - PLAUSIBLE:
+    elif at_edge and together > 1 - PLAUSIBLE:
         yield overturns(
             "edge",
             f"orders {orders}, beyond the compared range, would have {percent(together)} "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bayescal.arrays import Array
+from bayescal.comparison.adequacy.outcome import AdequacyTest
 from bayescal.comparison.axis import Axis
 from bayescal.comparison.goodness import ReferenceSigma
 from bayescal.comparison.order_result import OrderResult
@@ -24,12 +24,8 @@ class Case:
         Ascending.
     shape : NoiseModel
     reference : ReferenceSigma
-    other : Array or None
-        The other axis's regressor, ``(n_points,)``.
-    depth : Array or None
-        z in the camera's frame, ``(n_points,)``, world units.
-    groups : tuple of str or None
-        Group of each point.
+    tests : tuple of AdequacyTest
+        Of the best order's residuals, where the noise is Gaussian.
     geometry : tuple of str
         What nobody would mean of points and camera.
     """
@@ -38,23 +34,26 @@ class Case:
     results: Sequence[OrderResult]
     shape: NoiseModel
     reference: ReferenceSigma
-    other: Array | None = None
-    depth: Array | None = None
-    groups: tuple[str, ...] | None = None
+    tests: tuple[AdequacyTest, ...] = ()
     geometry: tuple[str, ...] = ()
 
     @property
     def best(self) -> OrderResult:
-        """The most probable order, or the one of lowest BIC where no order has an evidence."""
-        return max(
-            self.results,
-            key=lambda r: (
-                -(r.criteria.bic or 0.0) / 2 if r.log_evidence is None else r.log_evidence,
-                -r.order,
-            ),
-        )
+        """See `best_of`."""
+        return best_of(self.results)
 
     @property
     def gaussian(self) -> bool:
         """Whether the noise is Gaussian, so that its tests apply."""
         return self.shape.name == GAUSSIAN.name
+
+
+def best_of(results: Sequence[OrderResult]) -> OrderResult:
+    """Give the most probable order, or that of lowest BIC where no order has an evidence."""
+    return max(
+        results,
+        key=lambda r: (
+            -(r.criteria.bic or 0.0) / 2 if r.log_evidence is None else r.log_evidence,
+            -r.order,
+        ),
+    )

@@ -1,4 +1,4 @@
-"""A winner at the edge of the range: whether up to three orders beyond would take its place."""
+"""Orders beyond the range: whether up to three of them would take the winner's place."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ from bayescal.comparison.findings.finding import Finding
 
 
 def edge(case: Case) -> Iterator[Finding]:
-    """Look beyond the range where its highest order is the most probable, in closed form."""
+    """Look beyond the range in closed form."""
     evidence = {r.order: r.log_evidence for r in case.results if r.log_evidence is not None}
-    highest = case.results[-1].order
-    if not case.gaussian or len(evidence) < 2 or case.best.order != highest:
+    if not case.gaussian or len(evidence) < 2:
         return
     axis = case.axis
     found = beyond(axis.data, evidence, axis.noise, axis.rule)
-    yield from beyond_range(found)
+    yield from beyond_range(found, at_edge=case.best.order == case.results[-1].order)

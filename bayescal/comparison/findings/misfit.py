@@ -1,7 +1,7 @@
 """Where the recommended order does not describe its points: misfit comes before all else.
 
-The tests are those of the block of adequacy that cost next to nothing; their p-values are
-adjusted for each other (Holm 1979). Below 0.05 a test limits the verdict, below 0.01 nothing is
+The tests are those of the block of adequacy, their p-values adjusted for each other (Holm 1979).
+Below 0.05 a test limits the verdict, below 0.01 nothing is
 decided beside it: the probabilities of orders rest on independent normal errors about a curve
 of one coordinate, and the points contradict that.
 """
@@ -10,15 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from bayescal.arrays import Array
-from bayescal.comparison.adequacy.coordinate import other_coordinate, other_coordinate_within
-from bayescal.comparison.adequacy.groups import shared_errors
-from bayescal.comparison.adequacy.level import chi_squared
-from bayescal.comparison.adequacy.normality import normality
-from bayescal.comparison.adequacy.outcome import GROUPS, AdequacyTest, adjusted, concerns
-from bayescal.comparison.adequacy.problem import Problem
-from bayescal.comparison.adequacy.replicates import lack_of_fit, lack_of_fit_scatter
-from bayescal.comparison.axis import Axis
+from bayescal.comparison.adequacy.outcome import GROUPS, AdequacyTest, concerns
 from bayescal.comparison.findings.case import Case
 from bayescal.comparison.findings.finding import Finding, limits, overturns
 
@@ -37,42 +29,17 @@ BECAUSE = {
 
 
 def misfit(case: Case) -> Iterator[Finding]:
-    """Test the best order's residuals, where the noise is Gaussian."""
+    """Find what the tests of the best order's residuals say, where the noise is Gaussian."""
     if not case.gaussian:
         return
     yield from _of_all_orders(case)
-    yield from concerning(
-        cheap_tests(case.axis, case.best.order, case.other, case.depth, case.groups)
-    )
+    yield from concerning(case.tests)
     if case.reference.source == "replicates" and (case.reference.dof or 0) < FEW:
         yield limits(
             "few-replicates",
             f"the replicates have {case.reference.dof} degrees of freedom: their sigma is hardly "
             "known, and so are chi2 and lack of fit",
         )
-
-
-def cheap_tests(
-    axis: Axis,
-    order: int,
-    other: Array | None,
-    depth: Array | None,
-    groups: tuple[str, ...] | None,
-    *,
-    shape: bool = True,
-) -> tuple[AdequacyTest, ...]:
-    """Run the tests that cost next to nothing, that of the noise's `shape` among them or not."""
-    problem = Problem(axis.data, axis.fit(order), axis.noise)
-    tests = [
-        chi_squared(problem),
-        lack_of_fit(problem, other),
-        lack_of_fit_scatter(problem, other),
-        other_coordinate(problem, other),
-        other_coordinate_within(problem, other),
-        shared_errors(problem, groups, depth),
-        normality(problem) if shape else None,
-    ]
-    return adjusted(test for test in tests if test is not None)
 
 
 def concerning(tests: Sequence[AdequacyTest]) -> Iterator[Finding]:

@@ -9,11 +9,13 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
+from bayescal.comparison.adequacy.block import adequacy
+from bayescal.comparison.adequacy.normality import NAME as NORMALITY
 from bayescal.comparison.axis import Axis
 from bayescal.comparison.criteria import criteria
 from bayescal.comparison.families.hint import Stated, decisively_better
 from bayescal.comparison.findings.finding import ordered
-from bayescal.comparison.findings.misfit import cheap_tests, concerning
+from bayescal.comparison.findings.misfit import concerning
 from bayescal.comparison.findings.surroundings import another_model
 from bayescal.comparison.judged import Judged, with_probabilities
 from bayescal.comparison.judging import judge_all
@@ -159,7 +161,11 @@ def _axis(
     treatments = gaussian, without, *sampled
     other = axis_data(points, "c" if data.axis == "r" else "r").x
     depth = points.camera_frame()[:, 2]
-    tests = cheap_tests(axis, gaussian.order, other, depth, points.groups, shape=False)
+    rng = Key.of_axis(data.axis, 0, GAUSSIAN.name).rng(settings.seed, 1)
+    fit = axis.fit(gaussian.order)
+    tests = adequacy(data, fit, level, other, depth, points.groups, rng=rng)
+    # Bad points alone make the noise look as if it were not normal.
+    curve = [test for test in tests if test.name != NORMALITY]
     return AxisOutliers(
         data,
         level,
@@ -170,7 +176,7 @@ def _axis(
         elimination,
         treatments,
         shared,
-        ordered(concerning(tests)),
+        ordered(concerning(curve)),
     )
 
 

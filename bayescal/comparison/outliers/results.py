@@ -143,15 +143,15 @@ class AxisOutliers:
         return all(judged.sound for t in self.treatments for judged in t.orders)
 
     @property
+    def against_the_model(self) -> tuple[str, ...]:
+        """What says that the model is not the right one: to be looked at before any point."""
+        return tuple(f.text for f in self.findings if f.withholds)
+
+    @property
     def explanations(self) -> tuple[str, ...]:
-        """What says that the model is not the right one, then a sentence for suspicious points."""
-        first = [
-            f"look at the model first, as a curve that misses makes good points look bad: {f.text}"
-            for f in self.findings
-            if f.withholds
-        ]
+        """A sentence for each suspicious point, or for those that share an error."""
         together = {label for s in self.shared if s.together for label in s.points}
-        lines = first + [self._together(s) for s in self.shared if s.together]
+        lines = [self._together(s) for s in self.shared if s.together]
         lines += [self._alone(p) for p in self.suspicious if p.label not in together]
         return tuple(lines)
 
@@ -159,10 +159,10 @@ class AxisOutliers:
         unit = "" if self.data.axis == "y" else " px"
         predicted = rounded(point.predicted, point.predicted_sd)
         line = (
-            f"point {point.label}: {self.data.axis} = {point.measured:g} where {predicted} ± "
-            f"{significant(point.predicted_sd)} is predicted, {significant(abs(point.off))}{unit} "
-            f"too {'much' if point.off > 0 else 'little'}; bad with probability "
-            f"{percent(point.bad_probability)}"
+            f"point {point.label}: {self.data.axis} = {point.measured:g} where the mixture "
+            f"predicts {predicted} ± {significant(point.predicted_sd)}, "
+            f"{significant(abs(point.off))}{unit} too {'much' if point.off > 0 else 'little'}; "
+            f"bad with probability {percent(point.bad_probability)}"
         )
         for s in self.shared:
             if point.label in s.points and s.good:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from bayescal.comparison.results import Comparison
+from bayescal.comparison.averaging import averaged_words
+from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.report.blocks import Block, Blocks, Facts, Part, Prose, Tabled, listed
 from bayescal.report.views.orders import (
     adequacy,
@@ -65,12 +66,19 @@ def full(comparison: Comparison) -> Blocks:
         numbers = coefficients.coefficients_table(axis, result, full=True)
         part = (
             Facts((*table.assumed(axis), *coefficients.facts(axis, result))),
-            *listed([f"{caveat}." for caveat in verdict.caveats(axis)], "caveat"),
+            *verdict.caveats(axis),
+            *averaged(axis),
             Tabled(f"coefficients-{axis.data.axis}", "", numbers),
             coefficients.exact_tabled(axis, result),
         )
         blocks.append(Part(axis_title(axis), part))
     return (*blocks, *sampling(comparison))
+
+
+def averaged(axis: AxisComparison) -> Blocks:
+    """Say what the choice of this one order leaves out of its intervals."""
+    words = averaged_words(axis.averaged)
+    return (Prose(words),) if words else ()
 
 
 def header(comparison: Comparison) -> Blocks:
@@ -102,9 +110,9 @@ def about(comparison: Comparison) -> list[str]:
 
 
 def headlines(comparison: Comparison) -> list[str]:
-    """Name the order of each axis."""
-    found = comparison.orders.items()
-    return [f"{name}: " + ("no order" if k is None else f"order {k}") for name, k in found]
+    """Name the order of each axis, and how it stands."""
+    found = {name: axis.verdict for name, axis in comparison.axes.items()}
+    return [f"{name}: {v.recommended}; {v.standing}" for name, v in found.items()]
 
 
 def title(comparison: Comparison) -> str:

@@ -33,7 +33,8 @@ def brief(study: OutlierStudy, *, everything: bool = False) -> Blocks:
     blocks: list[Block] = [Listing(tuple(about(study)), "about")]
     for axis in study.axes.values():
         shown = points(axis, study, everything=everything)
-        blocks.append(Part(_title(axis), (shown, explained(axis), treatments(axis), verdict(axis))))
+        told = explained(axis), treatments(axis), verdict(axis)
+        blocks.append(Part(_title(axis), (*model_first(axis), shown, *told)))
     return (*blocks, *(() if study.sound else (Prose(UNSOUND, lead="NOT SOUND"),)))
 
 
@@ -92,6 +93,7 @@ def _blocks(axis: AxisOutliers, study: OutlierStudy) -> Blocks:
     shown = points(axis, study)
     folded = len(shown.table.rows) < len(axis.points)
     return (
+        *model_first(axis),
         verdict(axis),
         explained(axis),
         figure,
@@ -99,6 +101,17 @@ def _blocks(axis: AxisOutliers, study: OutlierStudy) -> Blocks:
         *((Details(f"Every point of {name}", (every,)),) if folded else ()),
         treatments(axis),
         Facts(assumed),
+    )
+
+
+def model_first(axis: AxisOutliers) -> Blocks:
+    """Say what is against the model, before any point is called bad."""
+    found = axis.against_the_model
+    if not found:
+        return ()
+    lead = "a curve that misses makes good points look bad."
+    return Prose(lead, lead="Look at the model first"), Listing(
+        tuple(f"{f}." for f in found), "concern"
     )
 
 
@@ -153,11 +166,12 @@ def points_table(axis: AxisOutliers, *, everything: bool = True) -> Table:
     columns = (
         Column("point"),
         Column("y" if unit == "y" else f"{axis.data.axis} px", "measured"),
-        Column(f"residual {unit}", "measured less least squares"),
+        Column(f"residual {unit}", "measured less least squares of all points"),
         Column("standard.", "residual over its own sd, sigma from the other points"),
         Column("leverage", "0 to 1: how far the point fixes its own prediction"),
         Column("Cook", "Cook's distance"),
         Column("rejected", "orders at which the chi-squared test removes the point"),
+        Column(f"off {unit}", "measured less what the mixture predicts"),
         Column("P(bad)", "posterior probability of being bad, under the mixture"),
         Column("weight t", "share of a good point's precision that Student-t noise leaves it"),
         Column("ln B without", f"of order {winner} against the best other, without the point"),
@@ -181,6 +195,7 @@ def _row(point: PointRecord, winner: int) -> tuple[Cell, ...]:
         Cell(f"{point.leverage:.2f}", point.leverage),
         number_cell(point.cook, lambda v: f"{v:.2f}" if v >= 0.005 else "0.00"),
         Cell(_span(point.rejected_at), len(point.rejected_at)),
+        Cell(f"{point.off:+.3g}", point.off),
         Cell(percent(point.bad_probability), point.bad_probability),
         Cell(f"{point.weight:.2f}", point.weight),
         number_cell(point.log_bayes_factor_without, lambda v: f"{v:+.1f}{changed}"),
@@ -199,10 +214,12 @@ def footnote(axis: AxisOutliers, significance: float) -> str:
     values = winner.log_evidence
     rest = [v for k, v in values.items() if k != winner.order]
     words = (
-        f"Residuals of order {axis.order}, sigma {axis.noise_source}. P(bad): outlier mixture; "
-        "weight t: Student-t noise; rejected: chi-squared test, "
-        f"{100 * significance:g} % for all points together. ± of a prediction: of the model, "
-        f"without the noise of a reading.{floor_words(axis.data, axis.level)}"
+        f"Order {axis.order}, sigma {axis.noise_source}. Residual, its standard deviations, "
+        "leverage and Cook: least squares of all points. Off, P(bad) and the sentences "
+        "below: the outlier mixture, whose curve bad points hardly pull; ± of a prediction: of "
+        "that curve, without the noise of a reading. Weight t: Student-t noise; rejected: "
+        f"chi-squared test, {100 * significance:g} % for all points together."
+        f"{floor_words(axis.data, axis.level)}"
     )
     if not rest:
         return words

@@ -177,6 +177,16 @@ def test_a_group_that_drives_the_choice_is_named(one_bad_group):
     assert axis.verdict.text.count("ithout group") == 1
 
 
+def test_a_defence_adds_caveats_and_takes_none_back(one_bad_group):
+    """The tests of a plain comparison are among those of its defence, with the same p-values."""
+    names = tuple("abcdefgh"[i // 5] for i in range(40))
+    points = camera_points(40, LINE, 1.0, 1, shift=3.0 * (np.array(names) == "h"), groups=names)
+    plain = bc.compare(points, (1, 2, 3), axis="r", ess=400).axes["r"].verdict
+    assert plain.caveats
+    assert [text for text in plain.caveats if text not in one_bad_group.verdict.caveats] == []
+    assert plain.withheld == one_bad_group.verdict.withheld
+
+
 def test_shares_of_resamples_are_those_of_the_bootstrap(one_bad_group):
     points, groups = one_bad_group.defence.resampled
     chosen = one_bad_group.verdict.order

@@ -97,10 +97,12 @@ def _headline(axis: AxisComparison) -> str:
     name, verdict = axis.data.axis, axis.verdict
     if len(axis.orders) == 1:
         return f"{name}: only order {verdict.order} was compared"
-    others = [str(k) for k in verdict.plausible if k != verdict.order]
-    if not others:
-        return f"{name}: order {verdict.order}, decided at {100 * PLAUSIBLE:.0f} %"
-    return f"{name}: order {verdict.order}; {', '.join(others)} not excluded"
+    order, others = f"{name}: order {verdict.order}", ", ".join(map(str, verdict.plausible[1:]))
+    if verdict.decided:
+        return f"{order}, decided at {100 * PLAUSIBLE:.0f} %"
+    if verdict.outcome == "suffices":
+        return f"{order} suffices; {others} not excluded"
+    return f"{order}; {others} not excluded" if others else f"{order}, not decided"
 
 
 def alt_text(subject: Subject) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.report.blocks import Blocks, Tabled, listed
+from bayescal.report.blocks import Blocks, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.report.views.views import Topic
 from bayescal.report.views.words import p_words
@@ -31,10 +31,9 @@ TOPIC = Topic(
 
 
 def adequacy_blocks(tests: Sequence[AdequacyTest], axis: str, order: int) -> Blocks:
-    """Say what is of concern, then one row per test, then what was not tested."""
+    """One row per test, then what was not tested; what is of concern, the caveats say."""
     flagged = frozenset(i for i, t in enumerate(filter(_applies, tests)) if t.concern)
     return (
-        *listed([f"{test.name}: {test.meaning}" for test in tests if test.concern], "concern"),
         Tabled(
             f"adequacy-{axis}",
             f"Adequacy of order {order} of {axis}; concerns are marked.",
@@ -74,7 +73,8 @@ def adequacy_lines(tests: Sequence[AdequacyTest]) -> list[str]:
     count = sum(test.p_value is not None for test in tests)
     if count:
         lines.append(
-            f"Holm: p adjusted for the {count} tests of this block; a concern (!) is below 0.05."
+            f"Holm: p adjusted for the {count} tests of this block; a concern (!) is below 0.05; "
+            "the caveats of the verdict say what it means."
         )
     if any(test.statistic == "ppp" for test in tests):
         lines.append(

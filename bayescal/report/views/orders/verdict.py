@@ -10,7 +10,7 @@ from bayescal.report.views.views import Topic
 def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
     """Say the verdict in words, with its caveats."""
     verdict = Prose(axis.verdict.text, lead=f"Verdict on {axis.data.axis}")
-    return verdict, *listed([f"{caveat}." for caveat in caveats(axis)], "caveat")
+    return verdict, *caveats(axis)
 
 
 def at_a_glance(comparison: Comparison) -> Blocks:
@@ -35,24 +35,11 @@ TOPIC = Topic(
 )
 
 
-def caveats(axis: AxisComparison) -> list[str]:
-    """Caveats of the verdict; the tests of adequacy that fail are one of them, told below."""
-    if not axis.adequacy:
-        return list(axis.verdict.caveats)
-    from bayescal.comparison.adequacy.outcome import concerns
-
-    said = set(concerns(axis.adequacy))
-    found = [caveat for caveat in axis.verdict.caveats if caveat not in said]
-    failed = [test.name for test in axis.adequacy if test.concern]
-    if failed:
-        found.append(
-            f"order {axis.chosen.order} fails {len(failed)} of the tests of adequacy below: "
-            f"{'; '.join(failed)}"
-        )
-    return found
+def caveats(axis: AxisComparison) -> Blocks:
+    """Say what stands against the verdict or limits it, the gravest first."""
+    return listed([f"{caveat}." for caveat in axis.verdict.caveats], "caveat")
 
 
 def _answer(axis: AxisComparison) -> Answer:
     verdict, name = axis.verdict, f"{axis.data.axis}, in {axis.data.regressor}"
-    found = "no order" if verdict.order is None else f"order {verdict.order}"
-    return Answer(name, found, verdict.standing)
+    return Answer(name, verdict.recommended, verdict.standing)
