@@ -35,9 +35,9 @@ from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.inference.arviz_bridge import diagnose
 from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.camera import log_normal
-from scripts.sections import publish
-from scripts.validate_families import build, sampled
-from tests.helpers.cameras import turned_points
+from scripts.validation.families import build, sampled
+from scripts.validation.sections import publish
+from scripts.validation.turned_camera import turned_points
 
 HEADING = "## Camera families: against other samplers"
 ESS = 4000

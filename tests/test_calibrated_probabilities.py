@@ -1,7 +1,8 @@
-"""Probabilities of orders are what they say: ./scripts/calibrate on fewer data sets.
+"""Probabilities of orders are what they say: ./scripts/validate orders on fewer data sets.
 
 Truths: the order each data set was made with, drawn with every parameter from the prior as
-docs/method.md states it (scripts/calibration.py does not use the program's prior to draw).
+docs/method.md states it (scripts/validation/simulated_orders.py does not draw with the program's
+prior).
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from scipy import stats
 from bayescal.arrays import Array
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.quadrature import FINE
-from scripts.calibrate import HEADING, QUICK, SIZES, honest
-from scripts.calibration import (
+from scripts.validation.orders import HEADING, QUICK, SIZES, honest
+from scripts.validation.sections import with_section
+from scripts.validation.simulated_orders import (
     ORDERS,
     WIDTH,
     Bin,
@@ -27,7 +29,6 @@ from scripts.calibration import (
     log_evidences,
     poisson_binomial_quantile,
 )
-from scripts.sections import with_section
 from tests.helpers.problems import make_axis, make_model
 
 SETS = 1000

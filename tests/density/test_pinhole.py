@@ -12,7 +12,7 @@ from bayescal.density.pinhole_proposal import ladder, weighted_evidence
 from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.noise.level import NoiseLevel
-from scripts.validate_families import model_of, simulated
+from scripts.validation.families import model_of, simulated
 from tests.helpers.cameras import TURNED, problem, turned_points
 
 

@@ -18,7 +18,7 @@ from bayescal.inference.sampled_posterior import sample_model
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
-from scripts.robust_cameras import robust_model
+from scripts.validation.robust_cameras import robust_model
 from tests.helpers.cameras import TURNED, problem, turned_points
 
 

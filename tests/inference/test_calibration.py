@@ -17,7 +17,7 @@ from numpy.polynomial import Legendre, Polynomial
 
 from bayescal.inference.checked_posterior import sample_posterior
 from bayescal.inference.target import log_prob
-from scripts.ranks import DRAWS, holm, p_values, ranks
+from scripts.validation.ranks import DRAWS, holm, p_values, ranks
 from tests.helpers.problems import make_axis, make_model
 
 SIMULATIONS = 384

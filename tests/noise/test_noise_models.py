@@ -14,7 +14,7 @@ from bayescal.noise.choice import NOISE_MODELS, NoiseChoice
 from bayescal.noise.gaussian import Gaussian
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
-from scripts.ranks import DRAWS, p_values
+from scripts.validation.ranks import DRAWS, p_values
 
 MODELS = {
     "gaussian": Gaussian(),

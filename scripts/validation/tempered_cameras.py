@@ -24,7 +24,7 @@ from bayescal.noise.student_t import RATE, SHAPE
 from bayescal.points.camera import StatedCamera
 from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.probit import log_prior, log_value
-from scripts.robust_cameras import robust_model
+from scripts.validation.robust_cameras import robust_model
 
 PARTICLES, SEEDS = 4000, 4
 SHARE = 0.9  # of the particles stays effective from one power to the next

@@ -11,8 +11,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.linear.quadrature import COARSE, FINE
-from scripts.calibration import STANDARD_ERRORS, Claims, draw, log_evidences
-from scripts.sections import options_of, publish
+from scripts.validation.sections import options_of, publish
+from scripts.validation.simulated_orders import STANDARD_ERRORS, Claims, draw, log_evidences
 
 HEADING = "## Calibrated probabilities"
 SIZES = (30, 57, 200)
@@ -26,7 +26,7 @@ QUICK = dataclasses.replace(COARSE, tau_nodes=25)
 
 def main() -> int:
     """Measure, print or write; 1 where a probability is not what it says."""
-    options = options_of("scripts/calibrate", __doc__, HEADING, 5000, 10)
+    options = options_of("scripts/validate orders", __doc__, HEADING, 5000, 10)
     with threadpool_limits(1):
         from_prior = {n: measured(options, n) for n in SIZES}
         fixed = {
@@ -70,7 +70,7 @@ def report(
         "Measured, and written here, by",
         "",
         "```console",
-        f"$ ./scripts/calibrate --sets {options.sets}{seed} --out docs/validation.md",
+        f"$ ./scripts/validate orders --sets {options.sets}{seed} --out docs/validation.md",
         "```",
         "",
         f"{options.sets} data sets for each n, the order (1-5) and every parameter (coefficients, "

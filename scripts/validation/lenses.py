@@ -15,8 +15,8 @@ from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.lenses.candidates import named_candidates
 from bayescal.comparison.lenses.sweep import Judge, Request
 from bayescal.points.views.views import Views
-from scripts.sections import options_of, publish
-from scripts.simulated_boards import HEIGHT, WIDTH, Errors, Truth, some_lens, views_of
+from scripts.validation.sections import options_of, publish
+from scripts.validation.simulated_boards import HEIGHT, WIDTH, Errors, Truth, some_lens, views_of
 
 HEADING = "## Lens models over many views"
 KEYS = (
@@ -44,7 +44,7 @@ REAL = {
 
 def main() -> int:
     """Measure, and print or write; 1 where ours is right less often than AIC or BIC."""
-    options = options_of("scripts/validate-lenses", __doc__, HEADING, 30, 4)
+    options = options_of("scripts/validate lenses", __doc__, HEADING, 30, 4)
     failed: list[str] = []
     with threadpool_limits(1):
         section = "\n".join(report(options, failed)) + "\n"
@@ -57,7 +57,7 @@ def report(options: argparse.Namespace, failed: list[str]) -> Iterator[str]:
     yield from (
         HEADING,
         "",
-        f"`scripts/validate-lenses --sets {options.sets} --seed {options.seed}`. A 9 x 6 board, "
+        f"`scripts/validate lenses --sets {options.sets} --seed {options.seed}`. A 9 x 6 board, "
         f"images of {WIDTH} by {HEIGHT} px, pixel",
         "errors independent. Lenses of order 0 to 3 with and without tangential terms, "
         "displacements at the corner from 3 to",

@@ -13,7 +13,7 @@ from bayescal.density.robust_pinhole import RobustPinhole
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
-from tests.helpers.cameras import turned_points
+from scripts.validation.turned_camera import turned_points
 
 SEEDS = 10
 ESS = 400

@@ -22,9 +22,9 @@ from bayescal.noise.student_t import StudentT
 from bayescal.polynomials.axis_data import generic_axis
 from bayescal.polynomials.separable import axis_data
 from bayescal.prior.amplitudes import PriorRule
-from scripts.noise_calibration import NOISES, Design, X, posteriors
-from scripts.ranks import holm, p_values, ranks
-from scripts.sections import options_of, publish
+from scripts.validation.ranks import holm, p_values, ranks
+from scripts.validation.sections import options_of, publish
+from scripts.validation.simulated_noise import NOISES, Design, X, posteriors
 
 HEADING = "## Robust noise"
 LIVE = 1000
@@ -36,7 +36,7 @@ LEVEL = 1e-3  # of all ranks of a noise model together
 
 def main() -> int:
     """Measure, print or write; 1 where something is not as it should be."""
-    options = options_of("scripts/validate-noise", __doc__, HEADING, 128, 64)
+    options = options_of("scripts/validate noise", __doc__, HEADING, 128, 64)
     failed: list[str] = []
     with threadpool_limits(1):
         section = "\n".join(report(options, failed)) + "\n"
@@ -49,7 +49,7 @@ def report(options: argparse.Namespace, failed: list[str]) -> Iterator[str]:
     yield from (
         HEADING,
         "",
-        f"`scripts/validate-noise --sets {options.sets} --seed {options.seed}`.",
+        f"`scripts/validate noise --sets {options.sets} --seed {options.seed}`.",
         "",
         f"Log evidence against nested sampling (dynesty, random walks, {LIVE} live points, the "
         "priors of amplitudes, tau and nu written",

@@ -38,17 +38,16 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import Setup
 from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.camera import PinholePrior, pinhole_prior
-from scripts.nested_cameras import LIVE, nested_evidence
-from scripts.ranks import DRAWS, holm, p_values, ranks
-from scripts.robust_cameras import robust
-from scripts.sections import publish
-from scripts.tempered_cameras import tempered
-from tests.helpers.cameras import problem
+from scripts.validation.nested_cameras import LIVE, nested_evidence
+from scripts.validation.ranks import DRAWS, holm, p_values, ranks
+from scripts.validation.robust_cameras import robust
+from scripts.validation.sections import publish
+from scripts.validation.tempered_cameras import tempered
 
 SETS = 128
 BINS = 8
 ORDERS = (0, 1, 2)
-LEVELS = (NoiseLevel.inferred((0.3, 5.0)), NoiseLevel.inferred((0.3, 5.0)))
+LEVEL = NoiseLevel.inferred((0.3, 5.0))
 # What cameras are drawn from: a laboratory that knows its camera fairly well.
 KNOWN = StatedCamera(
     position_sd=(20.0, 20.0, 20.0),
@@ -62,7 +61,8 @@ KNOWN = StatedCamera(
 
 def build(points: Correspondences, order: int, tau: float | None = None) -> GaussianPinhole:
     """Fit a pinhole with the levels of `points`' problem."""
-    geometry, prior, data = problem(points, order, tau=tau)
+    prior = pinhole_prior(points, tau)
+    geometry, data = _geometry(points, prior, order), _data(points, NoiseLevel.inferred())
     fit = fit_pinhole(points, geometry, prior, data)
     geometry, fit = suited(geometry, prior.position, fit)
     return GaussianPinhole.of(geometry, prior, data, fit)
@@ -117,6 +117,11 @@ def simulated(order: int, seed: int) -> tuple[Correspondences, Array, Array]:
     return bc.Correspondences.from_arrays(world, noisy.T, setup=setup), theta, hidden
 
 
+def _data(points: Correspondences, level: NoiseLevel) -> JointData:
+    pixels = np.stack([points.pixel(axis) for axis in "rc"])
+    return JointData(pixels, (None, None), (level, level))
+
+
 def _geometry(points: Correspondences, prior: PinholePrior, order: int) -> PinholeGeometry:
     return PinholeGeometry(points.world, prior.orientation, prior.half_diagonal, order)
 
@@ -125,7 +130,7 @@ def model_of(points: Correspondences, order: int) -> GaussianPinhole:
     """Build the model the simulated data came from."""
     prior = pinhole_prior(points)
     geometry = _geometry(points, prior, order)
-    data = JointData(np.stack([points.pixel(a) for a in "rc"]), (None, None), LEVELS)
+    data = _data(points, LEVEL)
     return GaussianPinhole.of(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
 
 
@@ -207,7 +212,7 @@ PARTS: dict[str, tuple[str, Callable[[int], Iterator[str]]]] = {
 def main() -> None:
     """Run the parts asked for, or all."""
     parser = argparse.ArgumentParser(
-        prog="scripts/validate-families",
+        prog="scripts/validate families",
         description=__doc__,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -223,7 +228,7 @@ def main() -> None:
     with threadpool_limits(1):
         for part in options.parts or PARTS:
             heading, lines = PARTS[part]
-            asked = f"`scripts/validate-families {part} --sets {options.sets}`."
+            asked = f"`scripts/validate families {part} --sets {options.sets}`."
             section = "\n".join([heading, "", asked, "", *lines(options.sets)]) + "\n"
             publish(section, heading, options.out)
 

@@ -21,7 +21,7 @@ from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
-from scripts.ranks import DRAWS
+from scripts.validation.ranks import DRAWS
 
 SIZE = 1000.0  # px
 X = np.linspace(-0.4, 0.7, 20)

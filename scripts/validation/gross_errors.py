@@ -23,8 +23,8 @@ from bayescal.noise.level import NoiseLevel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
-from scripts.calibration import ORDERS, WIDTH, draw, regressors
-from scripts.sections import options_of, publish
+from scripts.validation.sections import options_of, publish
+from scripts.validation.simulated_orders import ORDERS, WIDTH, draw, regressors
 
 HEADING = "## Gross errors"
 RATES = (0.0, 0.05, 0.15)
@@ -71,7 +71,7 @@ class Outcome:
 
 def main() -> int:
     """Measure, print or write; 1 where the mixture does worse than it should."""
-    options = options_of("scripts/gross-errors", __doc__, HEADING, 500, 10)
+    options = options_of("scripts/validate gross-errors", __doc__, HEADING, 500, 10)
     with threadpool_limits(1):
         outcomes = {rate: measured(options.sets, options.seed, rate) for rate in RATES}
     section = "\n".join(report(options, outcomes)) + "\n"
@@ -213,9 +213,9 @@ def report(options: argparse.Namespace, outcomes: dict[float, list[Outcome]]) ->
     yield from (
         HEADING,
         "",
-        f"`scripts/gross-errors --sets {options.sets} --seed {options.seed}`: {POINTS} points on "
-        f"one axis, the order uniform on {ORDERS[0]}-{ORDERS[-1]}, tau = {TAU:g}, sigma = "
-        f"{SIGMA:g} px; each",
+        f"`scripts/validate gross-errors --sets {options.sets} --seed {options.seed}`: "
+        f"{POINTS} points on one axis, the order uniform on {ORDERS[0]}-{ORDERS[-1]}, "
+        f"tau = {TAU:g}, sigma = {SIGMA:g} px; each",
         f"point has a gross error, uniform within {GROSS:g} px, with the probability given. Orders "
         "recovered, of the data",
         "sets made: by Gaussian noise without the bad points (as if somebody had told them), by "

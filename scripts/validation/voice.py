@@ -23,8 +23,8 @@ from bayescal.linear.closed_form import ExactPosterior, exact_posterior
 from bayescal.linear.least_squares import factorise
 from bayescal.linear.model import LinearModel
 from bayescal.polynomials.basis import legendre_design
-from scripts.sections import options_of, publish
-from scripts.voice_cameras import KINDS, Camera
+from scripts.validation.sections import options_of, publish
+from scripts.validation.voice_cameras import KINDS, Camera
 
 HEADING = "## The verdict"
 ORDERS = (1, 2, 3, 4, 5)
@@ -73,7 +73,7 @@ class ClosedForms(Store):
 
 def main() -> int:
     """Measure, print or write; 1 where "decided" is wrong in more than 5 % of where it is said."""
-    options = options_of("scripts/validate-voice", __doc__, HEADING, 200, 5)
+    options = options_of("scripts/validate voice", __doc__, HEADING, 200, 5)
     with threadpool_limits(1):
         counts = {name: counted(name, options) for name in KINDS}
     publish("\n".join(report(options, counts)) + "\n", HEADING, options.out)
@@ -82,7 +82,7 @@ def main() -> int:
 
 def counted(kind: str, options: argparse.Namespace) -> Counter[str]:
     """Count the outcomes of both axes of all cameras of a kind."""
-    print(f"validate-voice: {kind}", file=sys.stderr)
+    print(f"validate voice: {kind}", file=sys.stderr)
     found: Counter[str] = Counter()
     for i in range(options.sets):
         rng = np.random.default_rng([options.seed, list(KINDS).index(kind), i])
@@ -131,7 +131,7 @@ def report(options: argparse.Namespace, counts: dict[str, Counter[str]]) -> Iter
     yield from (
         HEADING,
         "",
-        f"`scripts/validate-voice --sets {options.sets} --seed {options.seed}`: {options.sets} "
+        f"`scripts/validate voice --sets {options.sets} --seed {options.seed}`: {options.sets} "
         "simulated cameras of each kind, r and c of each, in closed form.",
         'One plausible: the plausible set has one member, which alone made a verdict "decided" '
         "before findings could withhold the word;",
