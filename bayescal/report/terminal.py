@@ -23,7 +23,7 @@ KEPT = "\n\u200d"
 BULLETS = {"caveat": "caveat: ", "concern": "! "}
 
 
-def render(view: Blocks | RenderableType, *, terminal: bool) -> str:
+def render(view: Blocks, *, terminal: bool) -> str:
     """Render a view as text, 100 columns wide, without trailing blanks.
 
     Parameters
@@ -40,8 +40,8 @@ def render(view: Blocks | RenderableType, *, terminal: bool) -> str:
         file=io.StringIO(),
         legacy_windows=False,
     )
-    made = laid_out(view) if isinstance(view, tuple) else view
-    shown = [Segment(_harmless(s.text), s.style, s.control) for s in console.render(made)]
+    parts = console.render(laid_out(view))
+    shown = [Segment(_harmless(s.text), s.style, s.control) for s in parts]
     with console.capture() as captured:
         console.print(Segments(shown))
     lines = "\n".join(line.rstrip() for line in captured.get().splitlines())
@@ -113,7 +113,7 @@ def tabled(table: Table, flagged: frozenset[int] = frozenset()) -> RenderableTyp
             break
         if head in heads:
             dropped.append(head)
-            kept.remove(heads.index(head))
+            kept = [i for i in kept if heads[i] != head]
     shown = RichTable(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style="")
     for column in kept:
         shown.add_column(heads[column], justify="right" if column else "left", no_wrap=True)
@@ -122,7 +122,7 @@ def tabled(table: Table, flagged: frozenset[int] = frozenset()) -> RenderableTyp
         shown.add_row(*(row[i] for i in kept), style="bold" if stressed else "")
     if not dropped:
         return shown
-    left = ", ".join(head for head in heads if head in dropped)
+    left = ", ".join(head for head in dict.fromkeys(heads) if head in dropped)
     return Group(shown, Text(f"  Too wide to show: {left} (--json has them)."))
 
 

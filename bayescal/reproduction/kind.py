@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from rich.console import RenderableType
-
 from bayescal.files import FolderKind
+from bayescal.report.blocks import Blocks
 from bayescal.report.figures.style import save_figure
 from bayescal.report.run.kind import Kind
 from bayescal.reproduction.document import reproduction_document
@@ -27,7 +26,7 @@ class ReproductionKind(Kind[Reproduction]):
         """Build its document."""
         return reproduction_document(result, command)
 
-    def view(self, result: Reproduction, *, full: bool = False) -> RenderableType:  # noqa: ARG002
+    def view(self, result: Reproduction, *, full: bool = False) -> Blocks:  # noqa: ARG002
         """Give what its command prints, which is everything."""
         return reproduction_view(result)
 

@@ -2,38 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from rich import box
-from rich.console import Group, RenderableType
-from rich.padding import Padding
-from rich.table import Table
-from rich.text import Text
-
+from bayescal.report.blocks import Blocks, Listing, Part, Prose, Tabled
+from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.reproduction.models import AS_CODED
-from bayescal.reproduction.results import (
-    AxisReproduction,
-    OrderReproduction,
-    Reproduction,
-    ThesisFit,
-)
+from bayescal.reproduction.results import AxisReproduction, OrderReproduction, Reproduction
 from bayescal.rounding import counted, plain
 
 # Columns for the points removed; the JSON document has them all.
 REMOVED_WIDTH = 25
 
 
-def reproduction_view(reproduction: Reproduction) -> RenderableType:
-    """Everything that ``reproduce`` prints; the main message comes first, in one screen."""
-    return Group(
-        _header(reproduction),
+def reproduction_view(reproduction: Reproduction) -> Blocks:
+    """Everything that ``reproduce`` prints; the main message comes first."""
+    return (
+        Listing(_about(reproduction), role="about"),
         _sums(reproduction),
-        *(_indented(f"{model.name}: {conclusion(model)}") for model in reproduction.models),
-        Text(""),
-        _elimination_header(reproduction),
-        Text(""),
+        Listing(tuple(f"{m.name}: {conclusion(m)}" for m in reproduction.models)),
         _elimination(reproduction),
-        *(_indented(f"warning: {line}.") for line in reproduction.warnings),
+        *(Prose(f"warning: {line}.") for line in reproduction.warnings),
     )
 
 
@@ -67,7 +55,7 @@ def _span(orders: Sequence[int]) -> str:
     return ", ".join(map(str, orders))
 
 
-def _header(reproduction: Reproduction) -> RenderableType:
+def _about(reproduction: Reproduction) -> tuple[str, ...]:
     points = reproduction.points
     x, y, z = points.setup.position
     counted = f"{points.setup.height:g} - row" if points.setup.c_from_bottom else "row"
@@ -78,84 +66,76 @@ def _header(reproduction: Reproduction) -> RenderableType:
     ]
     if any(model.variant == AS_CODED for model in reproduction.models):
         lines.append("as coded: the third and higher powers of r are of y/z (Appendix B)")
-    return Text("\n".join(lines) + "\n")
+    return tuple(lines)
 
 
-def _sums(reproduction: Reproduction) -> RenderableType:
-    """Orders beside each other: one block of columns per model."""
-    order = _table("order")
-    for k in reproduction.orders:
-        order.add_row(str(k))
-    titles, tables = [Text("")], [order]
-    for model in reproduction.models:
-        table = _table("RSS px²", "RMS", "LOO", "BIC")
-        for result in model.orders:
-            chosen = result is model.best
-            table.add_row(*_numbers(result.before, chosen), style="bold" if chosen else "")
-        titles.append(Text(model.name, style="bold"))
-        tables.append(table)
-    grid = Table.grid(padding=(0, 1, 0, 0))
-    grid.add_row(*titles)
-    grid.add_row(*tables)
+def _sums(reproduction: Reproduction) -> Tabled:
+    """Orders below each other, models beside each other."""
+    columns = tuple(
+        Column(head)
+        for model in reproduction.models
+        for head in (f"{model.name.split()[-1]} RSS", "RMS", "LOO", "BIC")
+    )
+    rows = [
+        [cell for m in reproduction.models for cell in _cells(m, m.orders[row])]
+        for row in range(len(reproduction.orders))
+    ]
     note = (
-        "px: RMS = sqrt(RSS / n); LOO, the RMS error at each point left out of its own fit. "
+        "px², px: RMS = sqrt(RSS / n); LOO, the RMS error at each point left out of its own fit. "
         "* lowest BIC"
     )
-    return Group(grid, Text(""), _indented(note), Text(""))
+    table = order_table(reproduction.orders, columns, rows, None, spare=("RMS",))
+    return Tabled("sums", "Sums of squares", table, (note,))
 
 
-def _numbers(fit: ThesisFit, chosen: bool) -> list[str]:
-    left_out = fit.fit.rms_left_out
-    return [
-        plain(fit.rss),
-        plain(fit.rms, 2),
-        "" if left_out is None else plain(left_out, 2),
-        "" if fit.bic is None else plain(fit.bic) + "* "[not chosen],
-    ]
+def _cells(model: AxisReproduction, order: OrderReproduction) -> Iterator[Cell]:
+    """Numbers of one fit; the lowest BIC has a star."""
+    fit, star = order.before, "* "[order is not model.best]
+    yield Cell(plain(fit.rss), fit.rss)
+    yield Cell(plain(fit.rms, 2), fit.rms)
+    yield number_cell(fit.fit.rms_left_out, lambda value: plain(value, 2))
+    yield number_cell(fit.bic, lambda value: plain(value) + star)
 
 
-def _elimination_header(reproduction: Reproduction) -> RenderableType:
-    rule = reproduction.rule
-    text = Text("Bad points eliminated", style="bold")
-    text.append(
-        f", the most significant at a time, with a refit; {100 * rule.significance:g} % "
-        + ("per point" if rule.per_point else "family-wise")
-        + (", sigma inferred" if rule.sigma is None else f", sigma {rule.sigma:g} px"),
-        style="not bold",
-    )
-    return text
-
-
-def _elimination(reproduction: Reproduction) -> RenderableType:
+def _elimination(reproduction: Reproduction) -> Part:
     """One row per model and order: which points went, and the fit before and after."""
-    common = reproduction.common
-    table = _table("", "order", "points removed, in turn", "left", "RSS px² before > after")
-    table.columns[0].justify = table.columns[2].justify = "left"
-    for name in ("RSS px²", "BIC") if common else ("RMS px", "BIC"):
-        table.add_column(name, justify="right", no_wrap=True)
-    for model in reproduction.models:
-        title = model.name
-        for result in model.orders:
-            if model.variant == AS_CODED and not result.before.model.slipped:
-                continue
-            shown = result.common if common else result.after if model.same_points else None
-            bic = "" if shown is None or shown.bic is None else plain(shown.bic)
-            before, after = result.before, result.after
-            if common:
-                sums = plain(result.common.rss) if result.common is not None else ""
-            else:
-                sums = f"{plain(before.rms, 2)} > {plain(after.rms, 2)}"
-            table.add_row(
-                title,
-                str(result.order),
-                _removed(result),
-                str(len(after.kept)),
-                f"{plain(before.rss)} > {plain(after.rss):>6}",
-                sums,
-                bic,
-            )
-            title = ""
-    return Group(table, Text(""), *(_indented(line) for line in _elimination_notes(reproduction)))
+    common, rule = reproduction.common, reproduction.rule
+    heads = ("", "points removed", "left", "RSS before", "RSS after")
+    last = ("RSS", "BIC") if common else ("RMS before", "RMS after", "BIC")
+    rows = [
+        (
+            Cell(f"{model.name}, {result.order}"),
+            Cell(_removed(result)),
+            Cell(str(len(result.after.kept))),
+            Cell(plain(result.before.rss)),
+            Cell(plain(result.after.rss)),
+            *(Cell(text) for text in _last(model, result, common=common)),
+        )
+        for model in reproduction.models
+        for result in model.orders
+        if model.variant != AS_CODED or result.before.model.slipped
+    ]
+    about = (
+        "The most significant one at a time, with a refit; "
+        f"{100 * rule.significance:g} % {'per point' if rule.per_point else 'family-wise'}, "
+        + ("sigma inferred." if rule.sigma is None else f"sigma {rule.sigma:g} px.")
+    )
+    columns = tuple(Column(head) for head in (*heads, *last))
+    table = Table(columns, tuple(rows), spare=("RMS before", "RMS after"))
+    notes = tuple(_elimination_notes(reproduction))
+    tabled = Tabled("elimination", "Bad points eliminated", table, notes)
+    return Part("Bad points eliminated", (Prose(about), tabled))
+
+
+def _last(model: AxisReproduction, result: OrderReproduction, *, common: bool) -> Iterator[str]:
+    """Give what can be compared: on the points that every order keeps, or each on its own."""
+    shown = result.common if common else result.after if model.same_points else None
+    if common:
+        yield plain(result.common.rss) if result.common is not None else ""
+    else:
+        yield plain(result.before.rms, 2)
+        yield plain(result.after.rms, 2)
+    yield "" if shown is None or shown.bic is None else plain(shown.bic)
 
 
 def _elimination_notes(reproduction: Reproduction) -> list[str]:
@@ -182,16 +162,3 @@ def _removed(result: OrderReproduction) -> str:
         if len(text) <= REMOVED_WIDTH:
             return text
     return counted(len(numbers), "point") if numbers else "none"
-
-
-def _table(*names: str) -> Table:
-    table = Table(
-        box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, header_style=""
-    )
-    for name in names:
-        table.add_column(name, justify="right", no_wrap=True)
-    return table
-
-
-def _indented(line: str) -> RenderableType:
-    return Padding(Text(line), (0, 0, 0, 2))

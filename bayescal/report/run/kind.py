@@ -8,8 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
-from rich.console import RenderableType
-
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.files import FolderKind, check_folder, write_folder
@@ -39,7 +37,7 @@ class Kind(ABC, Generic[Result]):
         """Write what belongs beside the document."""
 
     @abstractmethod
-    def view(self, result: Result, *, full: bool = False) -> Blocks | RenderableType:
+    def view(self, result: Result, *, full: bool = False) -> Blocks:
         """Give what its command prints, or everything there is to say."""
 
     def text(self, result: Result, command: str) -> str:
