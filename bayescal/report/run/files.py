@@ -16,8 +16,10 @@ from bayescal.inference.arviz_bridge import Draws, parse_netcdf
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
 from bayescal.points.tables.text import reason
+from bayescal.polynomials.whole import Whole
 from bayescal.report.document.shared import versions
 from bayescal.report.run.folder import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
+from bayescal.report.run.reduction import REDUCTION, parse_reduction
 from bayescal.report.run.shape import misshapen
 from bayescal.version import __version__
 
@@ -148,7 +150,19 @@ class RunFiles:
             sha256=data["sha256"],
             lines=None if lines is None else tuple(lines),
             notes=tuple(notes),
+            drawn_from=data["n_points"] if REDUCTION in self.manifest["files"] else None,
         )
+
+    def whole(self) -> dict[str, Whole] | None:
+        """Read the reduction of many points; None where the run holds them all."""
+        if REDUCTION not in self.manifest["files"]:
+            return None
+        raw = self.content(REDUCTION)
+        try:
+            return parse_reduction(raw)
+        except (ValueError, KeyError, TypeError, OSError) as error:
+            where = self.folder / REDUCTION
+            raise InputError(f"{where}: is damaged: {error}; {self.again}") from None
 
     def keeps_draws(self, name: str) -> bool:
         """Whether draws of a name were written."""

@@ -3,6 +3,7 @@
 ``result.json``       the result document (what marks a folder as a run)
 ``run.json``          the format's number, who wrote it, the hash of every file below and above
 ``points.csv``        the points, every digit of them
+``reduction.npz``     of many points, of which points.csv holds a sample: their factorisation
 ``setup.toml``        what is known of the camera
 ``camera.npz``        the calibrated camera (bayescal.prediction), where the result is of one
 ``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
@@ -24,13 +25,14 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.writer import to_csv, to_toml
 from bayescal.report.run.camera import CAMERA
 from bayescal.report.run.camera import MANIFEST as MANIFEST
+from bayescal.report.run.reduction import REDUCTION
 from bayescal.version import __version__
 
 # Rises when an older version could no longer read what a newer one writes.
 FORMAT = 1
 POINTS, SETUP = "points.csv", "setup.toml"
 DRAWS = "draws"
-RUN = FolderKind("run", RESULT, (MANIFEST, POINTS, SETUP, CAMERA, DRAWS, "corner-*.png"))
+RUN = FolderKind("run", RESULT, (MANIFEST, POINTS, REDUCTION, SETUP, CAMERA, DRAWS, "corner-*.png"))
 
 
 def fill_run(
