@@ -1,10 +1,13 @@
-"""The array type used throughout, read-only arrays for frozen results, and ln 2 pi."""
+"""The array type used throughout, read-only arrays, arrays as a file, and ln 2 pi."""
 
 from __future__ import annotations
 
+import io
+import json
 import math
-from collections.abc import Sequence
-from typing import TypeAlias
+import zipfile
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,3 +24,28 @@ def frozen(values: ArrayLike) -> Array:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def to_npz(head: Mapping[str, Any], arrays: Mapping[str, Array], name: str = "head") -> bytes:
+    """Encode arrays as NumPy keeps them (npz), and JSON under a name: the same, the same bytes."""
+    kept: dict[str, Any] = {name: np.frombuffer(json.dumps(head).encode(), np.uint8), **arrays}
+    stream = io.BytesIO()
+    np.savez(stream, **kept)
+    return stream.getvalue()
+
+
+def from_npz(raw: bytes, name: str = "head") -> tuple[dict[str, Any], dict[str, Array]]:
+    """Undo `to_npz`, without pickle: a file from elsewhere can't run anything.
+
+    Raises
+    ------
+    ValueError
+        Where it is no such file, or is damaged.
+    """
+    try:
+        with np.load(io.BytesIO(raw), allow_pickle=False) as kept:
+            arrays = {key: kept[key] for key in kept.files}
+        head = json.loads(arrays.pop(name).tobytes())
+    except (ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile) as error:
+        raise ValueError(" ".join(str(error).split())) from None
+    return head, arrays

@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from bayescal.comparison.lenses.analysis import compare_lenses
-from bayescal.comparison.lenses.results import LensComparison, Request
+from bayescal.comparison.lenses.results import LensComparison, LensRequest
+from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
@@ -62,10 +63,6 @@ def calibrate(
     """
     if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
         raise InputError(f"sigma must be a positive number of px, not {sigma:g}")
-    if seed < 0:
-        raise InputError(f"seed must be 0 or more, not {seed}")
-    if ess < 1:
-        raise InputError(f"ess must be 1 or more, not {ess}")
     if not isinstance(views, Views):
         views = load_views(views)
     if len(views) < 2:
@@ -73,5 +70,6 @@ def calibrate(
             f"{views.source}: one view can't tell lens from pose; take at least two, better ten"
         )
     names = None if lenses is None else tuple(lenses)
-    request = Request(names, sigma, independent, square, centred, seed, ess)
-    return compare_lenses(views, request, progress or (lambda _: None))
+    request = LensRequest(names, independent, square, centred)
+    settings = Settings(sigma=sigma, seed=seed, ess=ess)
+    return compare_lenses(views, request, settings, progress or (lambda _: None))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.special import softmax
 
@@ -21,9 +19,8 @@ def problem_at(evidence: LensEvidence, setting: Setting, node: Node) -> Problem:
     """Put a lens under an error model, settled there."""
     if node == evidence.errors.nodes[0]:
         return evidence.problem
-    error = setting.grid.error(node)
-    shared, root = setting.geometry.shared(error), setting.geometry.offset_root(error, setting.unit)
-    return settled(replace(evidence.problem, shared=shared, root=root))
+    best = evidence.problem
+    return settled(setting.problem(best.model, best.x, best.poses, node))
 
 
 def averaged_draws(

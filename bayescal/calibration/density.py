@@ -74,12 +74,23 @@ class Problem:
         return eliminate(self.views, self.root)
 
     @cached_property
+    def offsets(self) -> Array:
+        """How far points of the target are off at the reference, ``(n_target, 3)``, diagonals."""
+        if self.root is None:
+            return np.zeros_like(self.data.target)
+        return np.asarray((self.root @ self.reduced.offset_step[:, -1]).reshape(-1, 3))
+
+    @property
+    def bow(self) -> Array:
+        """Bow of the target at the reference, diagonals; empty where it has none."""
+        return self.model.physical(self.x)[2]
+
+    @cached_property
     def noise(self) -> Array:
         """Residuals at the reference less what the target's offsets explain, as of `stack`."""
         if self.root is None:
             return self.stack.residuals
-        offsets = (self.root @ self.reduced.offset_step[:, -1]).reshape(-1, 3)
-        moved = np.einsum("vnai,vni->vna", self.stack.by_target, offsets[self.data.which])
+        moved = np.einsum("vnai,vni->vna", self.stack.by_target, self.offsets[self.data.which])
         return np.asarray(self.stack.residuals - moved)
 
     @cached_property

@@ -18,10 +18,11 @@ from bayescal.calibration.least_squares import Fit, with_bow
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import Views, eliminate, reduce
+from bayescal.calibration.stacking import Poses
 from bayescal.calibration.strengths import strengths
 from bayescal.inference.estimate import EvidenceEstimate
 
-FIRST_NODE: Node = (3, 3, 3, 3)
+WHITE: Node = (0, 0, 0, 0)
 NEARLY = 1.0  # nat: nodes looked at before residuals are linearised about the best
 KEPT_VIEWS = 24  # normal equations held at a time: some MB each
 COARSE = 6  # nodes of each strength while error models are compared
@@ -50,6 +51,21 @@ class Setting:
     level: Level
     bow: bool
 
+    @classmethod
+    def of(cls, data: Observations, level: Level, unit: float, *, independent: bool) -> Setting:
+        """Offer every error model that the data can tell of, or none but independent noise."""
+        geometry = Geometry(data)
+        grid = ErrorGrid.of(geometry)
+        if independent:
+            grid = replace(grid, correlated=False, offsets=False)
+        return cls(data, geometry, grid, unit, level, data.planar and not independent)
+
+    def problem(self, model: LensModel, x: Array, poses: Poses, node: Node) -> Problem:
+        """Put a lens and poses under an error model."""
+        error = self.grid.error(node)
+        shared, root = self.geometry.shared(error), self.geometry.offset_root(error, self.unit)
+        return Problem(model, self.data, x, poses, shared, root, self.level)
+
 
 @dataclass(frozen=True, eq=False)
 class LensEvidence:
@@ -57,8 +73,6 @@ class LensEvidence:
 
     Attributes
     ----------
-    fit : Fit
-        Least squares under independent noise, the target taken as it is.
     errors : Averaged
     problem : Problem
         Under the most probable error model, settled.
@@ -66,24 +80,12 @@ class LensEvidence:
         Under that error model.
     log_evidence : float
         Averaged over the error models.
-    draws : Array
-        Of the proposal, ``(n_draws, dimension)``.
-    log_weights : Array
-        ``(n_draws,)``.
     """
 
-    fit: Fit
     errors: Averaged
     problem: Problem
     estimate: EvidenceEstimate
     log_evidence: float
-    draws: Array
-    log_weights: Array
-
-    @property
-    def error(self) -> float:
-        """Monte Carlo standard error of the log evidence, nat."""
-        return self.estimate.error
 
 
 def length_of_pixel(model: LensModel, data: Observations, fit: Fit) -> float:
@@ -115,10 +117,8 @@ def lens_evidence(
     rng : numpy.random.Generator
     draws : int
     """
-    data = setting.data
     bowed, begin = with_bow(fit, model) if setting.bow else (model, fit)
-    reference = Problem(bowed, data, begin.x, begin.poses, INDEPENDENT, None, setting.level)
-    reference = settled(reference)
+    reference = settled(setting.problem(bowed, begin.x, begin.poses, WHITE))
     comparer = _Comparer(reference, setting)
     errors = follow(setting.grid, comparer, start, NEARLY)
     best = settled(comparer.problem(errors.nodes[0]))
@@ -126,14 +126,12 @@ def lens_evidence(
     comparer = _Comparer(best, setting)
     errors = follow(setting.grid, comparer, errors.nodes[:1])
     best = settled(comparer.problem(errors.nodes[0]))
-    estimate, drawn, log_weights = weighed(best, rng, draws)
+    estimate, _, _ = weighed(best, rng, draws)
     linear = comparer(errors.nodes[0])
     if not math.isfinite(estimate.log_evidence):  # no draw was possible; its warning says so
         estimate = replace(estimate, log_evidence=linear)
     correction = estimate.log_evidence - linear
-    return LensEvidence(
-        fit, errors, best, estimate, errors.log_evidence + correction, drawn, log_weights
-    )
+    return LensEvidence(errors, best, estimate, errors.log_evidence + correction)
 
 
 class _Comparer:

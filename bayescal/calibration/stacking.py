@@ -39,6 +39,11 @@ class Poses:
         turn = rotations(step[..., :3])
         return Poses(turn @ self.rotation, self.translation + step[..., 3:])
 
+    @property
+    def depth(self) -> float:
+        """Distance of the target, median over the views, diagonals."""
+        return float(np.median(np.linalg.norm(self.translation, axis=-1)))
+
     def only(self, views: IntArray) -> Poses:
         """Poses of some views."""
         return Poses(self.rotation[..., views, :, :], self.translation[..., views, :])
@@ -73,17 +78,17 @@ class Stacked:
     possible: bool
 
 
-def bowl(data: Observations) -> Array:
-    """Shape of the bow at each place: 1 - x^2 and 1 - y^2, ``(n_views, n_places, 2)``."""
+def bowl(data: Observations, at: Array) -> Array:
+    """Shape of the bow at x, y of the target: 1 - x^2 and 1 - y^2, x, y scaled to -1..1."""
     half = np.maximum(np.abs(data.target[:, :2]).max(axis=0), 1e-300)
-    return np.asarray(1 - (data.world[..., :2] / half) ** 2)
+    return np.asarray(1 - (at[..., :2] / half) ** 2)
 
 
 def camera_points(model: LensModel, data: Observations, bow: Array, poses: Poses) -> Array:
     """Points in the camera's frame, ``(..., n_views, n_places, 3)``."""
     rays = data.world @ np.swapaxes(poses.rotation, -1, -2) + poses.translation[..., None, :]
     if model.bow:
-        depth = np.einsum("vnb,...b->...vn", bowl(data), bow)
+        depth = np.einsum("vnb,...b->...vn", bowl(data, data.world), bow)
         rays = rays + depth[..., None] * poses.rotation[..., None, :, 2]
     return np.asarray(rays)
 
@@ -150,7 +155,7 @@ def stacked(model: LensModel, data: Observations, x: Array, poses: Poses) -> Sta
     by_lens = model.by_coordinate(x, by_intrinsics, by_k)
     by_target = slope @ poses.rotation[:, None]
     if model.bow:
-        by_bow = by_target[..., 2, None] * bowl(data)[..., None, :]
+        by_bow = by_target[..., 2, None] * bowl(data, data.world)[..., None, :]
         by_lens = np.concatenate([by_lens, by_bow], axis=-1)
     misfit = np.where(data.seen[..., None], misfit, 0.0)
     by_lens = np.where(here, by_lens, 0.0)

@@ -53,9 +53,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     run.add_argument(
         "--ess", type=int, default=400, metavar="N", help="effective samples wanted (400)"
     )
-    add_output(parser, None)
+    add_output(parser, "write a run: result.json, views, draws (NetCDF), the camera")
     parser.add_argument(
-        "--report", metavar="FILE.html", help="write a page with tables and figures"
+        "--report", metavar="FILE.html", help="write the page that report RUN writes"
     )
     camera = parser.add_argument_group("camera")
     camera.add_argument(
@@ -73,7 +73,6 @@ def run(options: argparse.Namespace) -> int:
     """Compare, print and write; return the exit code."""
     from bayescal.errors import InputError
 
-    options.out = None
     if options.sigma in ("replicates", "scale"):
         raise InputError(f"calibrate: sigma {options.sigma} is of points; give px or inferred")
     check_output(options)
@@ -81,7 +80,6 @@ def run(options: argparse.Namespace) -> int:
         check_file(options, Path(options.report))
     _check_cameras(options)
     from bayescal.api.calibrate import calibrate
-    from bayescal.report.kinds.lenses import LENSES
 
     found = views(options)
     with shared.Progress(options, STEPS, "judging", "lens") as progress:
@@ -96,11 +94,13 @@ def run(options: argparse.Namespace) -> int:
             ess=options.ess,
             progress=progress.named,
         )
-    publish(options, result, kind=LENSES)
+    publish(options, result)
     if options.report is not None:
-        from bayescal.report.page.lenses import save_lens_report
+        from bayescal.files import write_whole
+        from bayescal.report.page.page import html, page_of
 
-        save_lens_report(result, options.report, options.command_line, force=options.force)
+        made = html(page_of(result, options.command_line))
+        write_whole(Path(options.report), made.encode(), force=options.force)
     _write_cameras(options, result)
     return code_of(sound=result.sound)
 

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bayescal.commands import options as shared
-from bayescal.commands.many import many_or_few
 from bayescal.commands.output import DONE, add_progress, check_file, code_of
 from bayescal.errors import InputError
-from bayescal.report.figures.registry import KINDS, FigureKind
+from bayescal.report.figures.registry import FIGURES, KINDS, FigureKind, figure_kinds
 
 if TYPE_CHECKING:
     from bayescal.comparison.results import Comparison
@@ -19,9 +18,9 @@ if TYPE_CHECKING:
 HELP = "one figure of a comparison"
 DESCRIPTION = (
     "Draw one figure of a comparison, made now from POINTS or reopened from a RUN that compare "
-    "--out wrote. What the figure needs, such as the defence, is computed. "
-    f"{', '.join(k.name for k in KINDS.values() if k.of == 'families')}: of a RUN that compare "
-    "--family --out wrote; bad-points: of one that outliers --out wrote."
+    "--out wrote. What the figure needs, such as the defence, is computed. Of a RUN that compare "
+    f"--family --out wrote: {', '.join(figure_kinds('families'))}; of one that outliers --out "
+    f"wrote: bad-points; of one that calibrate --out wrote: {', '.join(figure_kinds('lenses'))}."
 )
 SUFFIXES = (".png", ".svg", ".pdf")
 # --axis chooses among what a run holds.
@@ -39,7 +38,7 @@ class _ListKinds(argparse.Action):
         option_string: str | None = None,  # noqa: ARG002
     ) -> None:
         width = max(map(len, KINDS))
-        print("\n".join(f"{k.name:{width}}  {k.summary}{_taken(k)}" for k in KINDS.values()))
+        print("\n".join(f"{k.name:{width}}  {k.summary}{_taken(k)}" for k in FIGURES))
         parser.exit(DONE)
 
 
@@ -82,8 +81,12 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"{path}: a figure is written as {', '.join(SUFFIXES)}; name it so")
     check_file(options, path)
     kind = KINDS[options.kind]
-    result = _reopened(kind, options) if shared.is_run(options, SETTLED) else None
-    if result is None:
+    if shared.is_run(options, SETTLED):
+        from bayescal.report.runs import kind_at
+
+        kind = figure_kinds(kind_at(Path(options.points)).name).get(options.kind, kind)
+        result = _reopened(kind, options)
+    else:
         result = _compared(kind, options)
     figure = kind.draw(result, options.axis, options.order)
     words = kind.alt_text(result, options.axis, options.order)
@@ -119,8 +122,9 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
     from bayescal.api.axes import compare
 
     _check(kind, options)
+    points = shared.points(options)
     models = len(shared.orders_of(options)) * shared.axes_of(options)
-    with many_or_few(options) as points, shared.Progress(options, models) as progress:
+    with shared.Progress(options, models) as progress:
         return compare(
             points,
             defend=kind.needs_defence,

@@ -33,16 +33,14 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.prediction.predict import predict
 
     found = predict(camera, table.columns("x", "y", "z"))
-    from bayescal.prediction.columns import prediction_columns
-    from bayescal.report.document import using
-    from bayescal.report.views.prediction import prediction_view
+    from bayescal.report.views import prediction as shown
 
-    columns = using.asked_and_found(table, ("x", "y", "z"), prediction_columns(found))
+    columns = shown.prediction_rows(table, found)
     publish_rows(
         options,
         columns,
-        lambda: using.rows_document(
-            using.PREDICTION,
+        lambda: shown.rows_document(
+            shown.SCHEMA,
             camera,
             columns,
             options.command_line,
@@ -50,6 +48,6 @@ def run(options: argparse.Namespace) -> int:
             probability=found.probability,
             notes=list(found.notes),
         ),
-        lambda: prediction_view(camera, table, found),
+        lambda: shown.prediction_view(camera, table, found),
     )
     return DONE

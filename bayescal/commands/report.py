@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from bayescal.commands import options as shared
 from bayescal.commands.families import add_families, families_of
-from bayescal.commands.many import many_or_few
 from bayescal.commands.output import add_progress, check_file, code_of
 from bayescal.commands.streams import print_utf8
 from bayescal.errors import InputError, OutputError
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
 HELP = "one page to attach to a calibration (HTML, PDF)"
 DESCRIPTION = (
     "Write a comparison with its defence as one self-contained HTML page, made now from POINTS or "
-    "reopened from a RUN that compare --out, fit --out or outliers --out wrote."
+    "reopened from a RUN that compare, fit, outliers or calibrate --out wrote."
 )
 SETTLED = (*shared.COMPARED, *shared.CAMERA, *shared.MODEL)
 
@@ -184,14 +183,14 @@ def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy
 
 def _compared(options: argparse.Namespace) -> Comparison:
     from bayescal.api.axes import compare
-    from bayescal.comparison.many import can_defend
 
+    points = shared.points(options)
     # Each axis's orders, and last its noise models.
     models = (len(shared.orders_of(options)) + 1) * shared.axes_of(options)
-    with many_or_few(options) as points, shared.Progress(options, models) as progress:
+    with shared.Progress(options, models) as progress:
         return compare(
             points,
-            defend=can_defend(points),
+            defend=True,
             progress=progress,
             **shared.settings(options),
         )

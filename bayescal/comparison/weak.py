@@ -48,3 +48,12 @@ def weak_combinations(
         shares = tuple(sign * float(vector[i]) for i in kept)
         out.append((tuple(names[i] for i in kept), shares))
     return tuple(out)
+
+
+def weak_lines(names: Sequence[str], matrix: Array) -> list[str]:
+    """Name what moves together, a sentence for each combination; arguments as of the former."""
+    out = []
+    for kept, shares in weak_combinations(names, matrix):
+        parts = ", ".join(f"{n} ({s:+.2f})" for n, s in zip(kept, shares, strict=True))
+        out.append(f"Weakly identified together: {parts} move as one.")
+    return out

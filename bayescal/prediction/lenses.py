@@ -26,15 +26,15 @@ MOST = 4  # lenses kept of the plausible ones: each is drawn anew
 
 def lens_camera(found: LensComparison) -> CalibratedCamera:
     """Make the camera of a comparison of lens models."""
-    plausible = [j for j in found.lenses if j.key in found.verdict.plausible][:MOST]
-    children = np.random.default_rng([found.request.seed, 2]).spawn(len(plausible))
+    plausible = [j for j in found.lenses if j.name in found.verdict.plausible][:MOST]
+    children = np.random.default_rng([found.settings.seed, 2]).spawn(len(plausible))
     data, views = found.setting.data, found.views
     hull, seen = hull_of(views.pixels), thinned(data.pixels[data.seen], ALIGNED)
     members: list[LensMember] = []
     for judged, rng in zip(plausible, children, strict=True):
         theta = _lens_draws(found, judged, rng)
         members.append(
-            lens_member(judged.key, theta, hull, _noise(found, judged, rng), seen, members[:1])
+            lens_member(judged.name, theta, hull, _noise(found, judged, rng), seen, members[:1])
         )
     weights = [judged.probability for judged in plausible]
     return CalibratedCamera(
@@ -88,7 +88,7 @@ def lens_member(
 
 def _lens_draws(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) -> Array:
     """Draws of a lens as a member has them, ``(KEPT, d)``."""
-    best = judged.key == found.best.key
+    best = judged.name == found.best.name
     draws = found.draws if best else averaged_draws(judged.evidence, found.setting, rng, KEPT)
     intrinsics, k, _ = judged.evidence.problem.model.physical(thinned(draws))
     return np.concatenate([np.log(intrinsics[:, :2]), intrinsics[:, 2:], k], axis=1)

@@ -7,15 +7,12 @@ language opens, and it is read without pickle: a file from elsewhere can't run a
 
 from __future__ import annotations
 
-import io
-import json
-import zipfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, from_npz, to_npz
 from bayescal.errors import InputError
 from bayescal.files import write_whole
 from bayescal.points.tables.content import read_file
@@ -84,11 +81,7 @@ def camera_bytes(camera: CalibratedCamera) -> bytes:
         "notes": camera.notes,
         "members": [_packed(m, f"{i}.", arrays) for i, m in enumerate(camera.members)],
     }
-    text = np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)
-    stream = io.BytesIO()
-    kept: dict[str, Any] = {HEAD: text, **arrays}
-    np.savez(stream, **kept)
-    return stream.getvalue()
+    return to_npz(head, arrays, HEAD)
 
 
 def camera_from(raw: bytes, name: str) -> CalibratedCamera:
@@ -99,13 +92,11 @@ def camera_from(raw: bytes, name: str) -> CalibratedCamera:
     InputError
     """
     try:
-        with np.load(io.BytesIO(raw), allow_pickle=False) as kept:
-            arrays = {key: kept[key] for key in kept.files}
-        head = json.loads(arrays[HEAD].tobytes())
+        head, arrays = from_npz(raw, HEAD)
         schema = head["schema"]
         if schema == SCHEMA:
             return _camera(head, arrays)
-    except (ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile) as error:
+    except (ValueError, KeyError, TypeError) as error:
         raise InputError(
             f"{name}: is no camera file, or is damaged ({' '.join(str(error).split())}); "
             "write it again"

@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # a kind is imported where it is asked for
     from bayescal.comparison.families.results import FamilyComparison
+    from bayescal.comparison.lenses.results import LensComparison
     from bayescal.comparison.outliers.results import OutlierStudy
     from bayescal.comparison.results import Comparison
     from bayescal.report.run.kind import RunKind
 
-    Result = Comparison | FamilyComparison | OutlierStudy
+    Result = Comparison | FamilyComparison | OutlierStudy | LensComparison
 
 # A kind is one module in kinds/, with its KIND, and one name here. The first of them says what a
 # folder of no kind lacks.
-NAMES = ("comparison", "families", "outliers")
+NAMES = ("comparison", "families", "outliers", "lenses")
 
 
 def kinds() -> Iterator[RunKind[Any]]:
@@ -66,9 +67,9 @@ def open_run(folder: str | Path, *, defend: bool | None = None) -> Result:
 
     Returns
     -------
-    Comparison, FamilyComparison or OutlierStudy
-        Whichever of `compare` or `fit`, `compare_families` or `fit_family`, and
-        `outliers` the run is of.
+    Comparison, FamilyComparison, OutlierStudy or LensComparison
+        Whichever of `compare` or `fit`, `compare_families` or `fit_family`, `outliers`
+        and `calibrate` the run is of.
 
     Raises
     ------
@@ -86,8 +87,8 @@ def save_run(result: Result, folder: str | Path, *, force: bool = False) -> None
 
     Parameters
     ----------
-    result : Comparison, FamilyComparison or OutlierStudy
-        Of correspondences.
+    result : Comparison, FamilyComparison, OutlierStudy or LensComparison
+        Of correspondences, or of views.
     folder : str or Path
         Where to; an earlier run is left alone unless `force`.
     force : bool, optional

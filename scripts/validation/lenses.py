@@ -5,15 +5,20 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
 from bayescal.calibration.averaging import averaged_laplace
-from bayescal.comparison.evidence import probabilities
-from bayescal.comparison.lenses.candidates import named_candidates
-from bayescal.comparison.lenses.sweep import Judge, Request
+from bayescal.calibration.judge import Setting
+from bayescal.calibration.laplace import INFERRED
+from bayescal.comparison.judging import judge_all
+from bayescal.comparison.lenses.results import JudgedLens, LensRequest
+from bayescal.comparison.lenses.sweep import Sweep
+from bayescal.comparison.settings import Settings
+from bayescal.comparison.store import Store
 from bayescal.points.views.views import Views
 from scripts.validation.sections import options_of, publish
 from scripts.validation.simulated_boards import HEIGHT, WIDTH, Errors, Truth, some_lens, views_of
@@ -116,40 +121,45 @@ def real_boards(options: argparse.Namespace) -> Iterator[str]:
         yield f"| {name} | {options.sets} | " + " | ".join(cells) + " |"
 
 
-def judged(views: Views, *, independent: bool) -> Judge:
+@dataclass(frozen=True)
+class Weighed:
+    """Lenses judged, and what they share."""
+
+    lenses: dict[str, JudgedLens]
+    setting: Setting
+
+
+def judged(views: Views, *, independent: bool) -> Weighed:
     """Judge the seven lenses."""
-    request = Request(independent=independent, draws=1000)
-    judge = Judge(views, (float(WIDTH), float(HEIGHT)), request, lambda _: None)
-    for candidate in named_candidates(KEYS):
-        judge.judge(candidate)
-    return judge
+    sweep = Sweep(views, LensRequest(KEYS, independent=independent, draws=1000), INFERRED)
+    found = judge_all(sweep, Store(), Settings())
+    return Weighed({j.name: j for j in found}, sweep.setting)
 
 
-def pick(judge: Judge) -> str:
+def pick(found: Weighed) -> str:
     """Take the most probable lens."""
-    return max(judge.judged, key=lambda k: judge.judged[k].evidence.log_evidence)
+    return max(found.lenses.values(), key=lambda j: j.log_evidence).name
 
 
-def chance(judge: Judge, key: str) -> float:
+def chance(found: Weighed, name: str) -> float:
     """Probability of a lens."""
-    chances = probabilities([j.evidence.log_evidence for j in judge.judged.values()])
-    return dict(zip(judge.judged, chances, strict=True)).get(key, 0.0)
+    return found.lenses[name].probability if name in found.lenses else 0.0
 
 
-def criteria(judge: Judge) -> tuple[str, str]:
+def criteria(found: Weighed) -> tuple[str, str]:
     """Give the picks of BIC and AIC."""
-    found = judge.judged
-    return min(found, key=lambda k: found[k].bic), min(found, key=lambda k: found[k].aic)
+    lenses = found.lenses.values()
+    return min(lenses, key=lambda j: j.bic).name, min(lenses, key=lambda j: j.aic).name
 
 
-def mean_square(judge: Judge, intrinsics: Array) -> float:
+def mean_square(found: Weighed, intrinsics: Array) -> float:
     """Mean square of the errors of focal lengths and centre, in posterior deviations."""
-    evidence = judge.judged[TWO.key].evidence
+    evidence = found.lenses[TWO.key].evidence
     problem = evidence.problem
     truth = problem.model.coordinates(intrinsics, np.zeros(len(problem.model.lens.names)))[:4]
-    found = (problem.x + problem.laplace.mean)[:4]
-    variance = np.diag(averaged_laplace(evidence, judge.setting()))[:4]
-    return float(((found - truth) ** 2 / variance).mean())
+    best = (problem.x + problem.laplace.mean)[:4]
+    variance = np.diag(averaged_laplace(evidence, found.setting))[:4]
+    return float(((best - truth) ** 2 / variance).mean())
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import main
-from bayescal.report.figures.registry import KINDS
+from bayescal.report.figures.registry import FIGURES, KINDS
 from bayescal.report.figures.style import figure_bytes
 from tests.helpers.cases import camera_points
 from tests.helpers.command import apart, environment, here
@@ -109,8 +109,8 @@ def test_list_says_every_kind():
     done = here("plot", "--list")
     assert done.code == 0
     lines = done.out.splitlines()
-    assert [line.split()[0] for line in lines] == [*KINDS]
-    assert all(kind.summary in done.out for kind in KINDS.values())
+    assert [line.split()[0] for line in lines] == [kind.name for kind in FIGURES]
+    assert all(kind.summary in done.out for kind in FIGURES)
     assert max(map(len, lines)) <= 100
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,7 +50,7 @@ class GroupEffects:
 
 
 def numbered_groups(
-    groups: Sequence[str] | None, depth: Array | None
+    groups: tuple[str, ...] | None, depth: Array | None
 ) -> tuple[IntArray, str] | None:
     """Give each group a number: the column group, else points that share a plane z."""
     if groups is not None:
@@ -81,7 +80,7 @@ def group_effects(problem: Problem, group: IntArray) -> GroupEffects | None:
     u = u[:, size > max(NEW_DIRECTION, 1e-8)]
     e -= u @ (u.T @ e)
     rank = len(sizes) + u.shape[1] - problem.p
-    dof = problem.dof - rank
+    dof = problem.fit.dof - rank
     if rank <= 0 or dof <= 0:
         return None
     rss = float(e @ e)
@@ -108,7 +107,7 @@ def effective_points(group: IntArray, icc: float) -> float:
 
 
 def shared_errors(
-    problem: Problem, groups: Sequence[str] | None, depth: Array | None
+    problem: Problem, groups: tuple[str, ...] | None, depth: Array | None
 ) -> AdequacyTest:
     """F test of group means beside the polynomial, intraclass correlation, n_eff."""
     if problem.unusable:

@@ -2,30 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-
-import numpy as np
+from typing import Any
 
 from bayescal.calibration.averaging import averaged_draws, averaged_laplace
 from bayescal.calibration.evidence import proposal
-from bayescal.calibration.laplace import degrees
-from bayescal.calibration.observations import Observations
+from bayescal.calibration.judge import Setting
+from bayescal.calibration.laplace import Level, degrees
 from bayescal.calibration.sampled import SampledLens
-from bayescal.comparison.evidence import probabilities
+from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.caveats import lens_caveats
 from bayescal.comparison.lenses.left_out import halves, leave_views_out
 from bayescal.comparison.lenses.places import places
 from bayescal.comparison.lenses.prediction import (
-    View,
     covered,
     difference,
     image_grid,
     largest,
     observed_sample,
 )
-from bayescal.comparison.lenses.results import Evidenced, JudgedLens, LensComparison, Request
-from bayescal.comparison.lenses.sweep import Judge, Progress, image_size
+from bayescal.comparison.lenses.results import (
+    Drawn,
+    Evidenced,
+    JudgedLens,
+    LensComparison,
+    LensRequest,
+)
+from bayescal.comparison.lenses.sweep import Sweep, size_notes
 from bayescal.comparison.lenses.verdict import judge_lenses
+from bayescal.comparison.settings import Settings
+from bayescal.comparison.store import Store
 from bayescal.errors import InputError
 from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.points.views.notes import view_notes
@@ -35,18 +42,22 @@ PROBABLE = 1e-3  # lenses less probable than this are not looked at view by view
 MOST_LOOKED_AT = 6
 FEWEST = 20  # effective importance draws of the best lens: with fewer nothing can be said
 
+Progress = Callable[[str], None]
+
 
 def compare_lenses(
-    views: Views, request: Request, progress: Progress = lambda _: None
+    views: Views, request: LensRequest, settings: Settings, progress: Progress = lambda _: None
 ) -> LensComparison:
     """Compare lens models over many views.
 
     Parameters
     ----------
     views : Views
-    request : Request
+    request : LensRequest
+    settings : Settings
+        Of which sigma, seed and ess are used.
     progress : callable, optional
-        Called with the key of each lens that is begun.
+        Called with the name of each lens that is begun.
 
     Returns
     -------
@@ -57,16 +68,16 @@ def compare_lenses(
     InputError
         Where no lens can be fitted, or an option can't be used.
     """
-    size, notes = image_size(views)
-    judge = Judge(views, size, request, progress)
-    if degrees(judge.data) <= 12:
+    sweep = Sweep(views, request, level_of(settings))
+    if degrees(sweep.data) <= 12:
         raise InputError(
             f"{views.source}: {views.n_points} points in {len(views)} views leave nothing to "
             "judge a lens by; add views or points"
         )
-    judge.sweep()
-    setting = judge.setting()
-    lenses = _ranked(judge.judged)
+    judged = judge_all(sweep, Store(), settings, lambda key: progress(str(key)))
+    if not judged:
+        raise InputError("calibrate: no lens can see all points of these views")
+    lenses = ranked(judged)
     estimate = lenses[0].evidence.estimate
     if estimate.effective_fraction * estimate.draws < FEWEST:
         raise InputError(
@@ -74,69 +85,93 @@ def compare_lenses(
             "views from other sides and distances"
         )
     progress("views left out")
-    lenses = _looked_at(lenses, setting.data)
-    best = lenses[0]
-    problem = best.evidence.problem
-    progress(f"draws of {best.key}")
-    for_chains, for_draws = np.random.default_rng([request.seed, 1]).spawn(2)
-    posterior = sample_model(
-        SampledLens(problem), for_chains, request.ess, Guess(*proposal(problem)), request.draws
-    )
-    draws = averaged_draws(best.evidence, setting, for_draws, request.draws)
-    spread = averaged_laplace(best.evidence, setting)
-    two = halves(problem)
-    distance = float(np.median(np.linalg.norm(problem.poses.translation, axis=1)))
-    found_places = places(best, lenses, setting.data, spread, two, distance)
-    basis = Evidenced(
-        views, setting, lenses, tuple(judge.failures), posterior, found_places, two, size
-    )
-    caveats = lens_caveats(basis)
-    errors = tuple(
-        (setting.grid.error(node), weight)
-        for node, weight in zip(
-            best.evidence.errors.nodes, best.evidence.errors.weights, strict=True
-        )
-    )
-    return LensComparison(
+    lenses = _looked_at(lenses)
+    progress(f"draws of {lenses[0].name}")
+    drawn = _drawn(lenses[0], sweep.setting, request, settings)
+    return concluded(
         views,
-        setting,
-        lenses,
-        tuple(judge.impossible),
-        errors,
-        posterior,
-        draws,
-        found_places,
-        distance * setting.data.diagonal,
-        judge_lenses(lenses, caveats),
-        (*view_notes(views), *notes),
         request,
+        settings,
+        sweep.setting,
+        lenses,
+        drawn,
+        impossible=tuple(sweep.impossible),
+        failures=tuple(sweep.failures),
     )
 
 
-def _ranked(judged: dict[str, JudgedLens]) -> tuple[JudgedLens, ...]:
-    order = sorted(judged.values(), key=lambda j: -j.evidence.log_evidence)
-    chances = probabilities([j.evidence.log_evidence for j in order])
-    return tuple(replace(j, probability=p) for j, p in zip(order, chances, strict=True))
+def concluded(
+    views: Views,
+    request: LensRequest,
+    settings: Settings,
+    setting: Setting,
+    lenses: tuple[JudgedLens, ...],
+    drawn: Drawn,
+    **beside: tuple[str, ...],
+) -> LensComparison:
+    """Conclude from what was judged and drawn, which is cheap.
+
+    Parameters
+    ----------
+    lenses : tuple of JudgedLens
+        The most probable first, views left out of the probable ones.
+    drawn : Drawn
+        Of the first of them.
+    **beside : tuple of str
+        As of `Evidenced`: impossible lenses, failures.
+    """
+    lenses = _apart(lenses, setting)
+    shown = places(lenses, setting.data, drawn.covariance, drawn.halves)
+    found: dict[str, Any] = {
+        "views": views, "setting": setting, "lenses": lenses, "drawn": drawn, "places": shown,
+        **beside,
+    }  # fmt: skip
+    verdict = judge_lenses(lenses, lens_caveats(Evidenced(**found)))
+    notes = (*view_notes(views), *size_notes(views))
+    return LensComparison(**found, verdict=verdict, notes=notes, request=request, settings=settings)
 
 
-def _looked_at(lenses: tuple[JudgedLens, ...], data: Observations) -> tuple[JudgedLens, ...]:
-    """Leave views out of the probable lenses, and compare all predictions with the best's."""
-    best = lenses[0].evidence.problem
-    view = View(best.model, best.x)
+def level_of(settings: Settings) -> Level:
+    """Say what is known of sigma."""
+    known = settings.sigma
+    return Level(known if isinstance(known, float) else None)
+
+
+def ranked(judged: Sequence[JudgedLens]) -> tuple[JudgedLens, ...]:
+    """Sort lenses, the most probable first."""
+    return tuple(sorted(judged, key=lambda j: -j.log_evidence))
+
+
+def _looked_at(lenses: tuple[JudgedLens, ...]) -> tuple[JudgedLens, ...]:
+    """Leave views out of the probable lenses."""
+    out = list(lenses)
+    for rank, judged in enumerate(lenses):
+        if rank < 2 or (judged.probability >= PROBABLE and rank < MOST_LOOKED_AT):
+            found = leave_views_out(judged.evidence.problem)
+            if found is not None:
+                out[rank] = replace(judged, loo=found[0], without=found[1])
+    return tuple(out)
+
+
+def _apart(lenses: tuple[JudgedLens, ...], setting: Setting) -> tuple[JudgedLens, ...]:
+    """Compare the predictions of all with the best's."""
+    data = setting.data
     sample, grid = observed_sample(data), image_grid(data.size)
     within = covered(grid, data)
-    out = []
-    for rank, judged in enumerate(lenses):
-        problem = judged.evidence.problem
-        other = View(problem.model, problem.x)
-        probable = rank < 2 or (judged.probability >= PROBABLE and rank < MOST_LOOKED_AT)
-        apart = difference(view, other, grid, sample, None) if rank else np.zeros(grid.shape)
-        out.append(
-            replace(
-                judged,
-                left_out=leave_views_out(problem) if probable else None,
-                difference=largest(apart),
-                inside=largest(apart[within]),
-            )
-        )
+    out = [replace(lenses[0], difference=0.0, inside=0.0)]
+    for judged in lenses[1:]:
+        apart = difference(lenses[0].view, judged.view, grid, sample, None)
+        out.append(replace(judged, difference=largest(apart), inside=largest(apart[within])))
     return tuple(out)
+
+
+def _drawn(best: JudgedLens, setting: Setting, request: LensRequest, settings: Settings) -> Drawn:
+    problem = best.evidence.problem
+    for_chains, for_draws = best.key.rng(settings.seed, 1).spawn(2)
+    guess = Guess(*proposal(problem))
+    return Drawn(
+        sample_model(SampledLens(problem), for_chains, settings.ess, guess, request.draws),
+        averaged_draws(best.evidence, setting, for_draws, request.draws),
+        averaged_laplace(best.evidence, setting),
+        halves(problem),
+    )

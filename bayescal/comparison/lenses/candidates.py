@@ -5,13 +5,37 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from bayescal.calibration.lens_model import LensModel
 from bayescal.cameras.lenses import LENSES, Lens, lens_named
 from bayescal.cameras.lenses.radial import radial
+from bayescal.comparison.key import Key
 from bayescal.errors import InputError
 
 LARGEST_RADIAL, LARGEST_FISHEYE = 5, 5
 SURE_RADIAL, SURE_FISHEYE = 2, 1  # orders that are looked at in any case
+
+
+@dataclass(frozen=True)
+class LensKey(Key):
+    """Which lens, over many views: of one family to a comparison, so that all are alike before."""
+
+    family: str = "lens"
+    orders: tuple[int, ...] = ()
+    name: str = ""
+
+    def file(self, usual: str = "") -> str:  # noqa: ARG002 - there is one noise model
+        """Name of its draws in a run."""
+        return self.name.replace(" + ", "-").replace(" ", "-")
+
+    def rng(self, seed: int, *further: int) -> np.random.Generator:
+        """Random numbers of its own."""
+        place = *self.name.encode(), *further
+        return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=place))
+
+    def __str__(self) -> str:
+        return self.name
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,17 +44,17 @@ class Candidate:
 
     Attributes
     ----------
-    key : str
+    name : str
         As tables show it.
     family : str
     order : int or None
         Number of radial coefficients, where the family has orders.
     lens : Lens
     parents : tuple of str
-        Keys of candidates it contains: its fit may begin from theirs.
+        Names of candidates it contains: its fit may begin from theirs.
     """
 
-    key: str
+    name: str
     family: str
     order: int | None
     lens: Lens
@@ -40,7 +64,7 @@ class Candidate:
         self, size: tuple[float, float], *, square: bool = False, centred: bool = False
     ) -> LensModel:
         """Parameters of the lens for an image of a size, px."""
-        return LensModel(self.key, self.lens, size, square, centred)
+        return LensModel(self.name, self.lens, size, square, centred)
 
 
 def radial_candidates(order: int) -> list[Candidate]:
@@ -88,7 +112,7 @@ def named_candidates(names: Sequence[str]) -> list[Candidate]:
     found: dict[str, Candidate] = {}
     for text in names:
         for candidate in _named(text):
-            found.setdefault(candidate.key, candidate)
+            found.setdefault(candidate.name, candidate)
     if not found:
         raise InputError("lens: none is named; leave it out to have them found")
     return list(found.values())
@@ -111,6 +135,8 @@ def _named(text: str) -> list[Candidate]:
         raise InputError(
             f"lens {text!r}: give a name and an order, such as 'radial 2' or 'radial 2 + p'"
         )
+    if text == rational_candidate().name:
+        return [rational_candidate()]
     if not orders:
         return [Candidate(name, name, None, lens_named(name))]
     order = int(orders[0])
@@ -118,7 +144,7 @@ def _named(text: str) -> list[Candidate]:
         lens = lens_named(name, order=order, tangential=tangential)
         key = "pinhole" if order == 0 and not tangential else f"radial {order}{' + p' * tangential}"
         known = radial_candidates(order) if order else []
-        parents = next((c.parents for c in known if c.key == key), ())
+        parents = next((c.parents for c in known if c.name == key), ())
         return [Candidate(key, "radial", order, lens, parents)]
     if name == "fisheye":
         lens_named(name, order=order)

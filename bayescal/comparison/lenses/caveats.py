@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bayescal.comparison.lenses.prediction import View
 from bayescal.comparison.lenses.results import Evidenced
 from bayescal.comparison.lenses.view_caveats import (
     by_place,
@@ -30,9 +29,7 @@ def lens_caveats(basis: Evidenced) -> tuple[str, ...]:
 def untrusted(basis: Evidenced) -> str | None:
     """Evidences that their own diagnostics speak against."""
     broken = [
-        f"{j.key} ({j.evidence.estimate.warnings[0]})"
-        for j in basis.lenses
-        if j.evidence.estimate.warnings and j.probability > 1e-3
+        f"{j.name} ({j.warnings[0]})" for j in basis.lenses if j.warnings and j.probability > 1e-3
     ]
     return f"the evidence should not be trusted of {', '.join(broken)}" if broken else None
 
@@ -54,7 +51,7 @@ def failed(basis: Evidenced) -> str | None:
 
 def edge(basis: Evidenced) -> str | None:
     """Error models at the largest level offered."""
-    best = basis.lenses[0].evidence.errors.nodes[0]
+    best = basis.best.evidence.errors.nodes[0]
     levels = [
         name
         for name in basis.setting.grid.at_edge(best)
@@ -70,13 +67,13 @@ def edge(basis: Evidenced) -> str | None:
 
 def folds(basis: Evidenced) -> str | None:
     """Find a lens that turns back, or has a pole, before the image's corner."""
-    problem, size = basis.problem, basis.size
+    size = basis.setting.data.size
     corners = np.array([[0, 0], [size[0] - 1, 0], [0, size[1] - 1], [size[0] - 1, size[1] - 1]])
-    _, found = View(problem.model, problem.x).rays(corners.astype(np.float64))
+    _, found = basis.best.view.rays(corners.astype(np.float64))
     if found.all():
         return None
     return (
-        f"{basis.lenses[0].key} turns back before {counted(int(np.sum(~found)), 'corner')} of the "
+        f"{basis.best.name} turns back before {counted(int(np.sum(~found)), 'corner')} of the "
         "image: no ray is seen there"
     )
 
@@ -86,33 +83,33 @@ def influence(basis: Evidenced) -> str | None:
     if len(basis.lenses) < 2:
         return None
     first, second = basis.lenses[:2]
-    if first.left_out is None or second.left_out is None:
+    if first.loo is None or second.loo is None:
         return None
-    lead = first.evidence.log_evidence - second.evidence.log_evidence
-    without = lead - (first.left_out.log_density - second.left_out.log_density)
+    lead = first.log_evidence - second.log_evidence
+    without = lead - (first.loo.pointwise - second.loo.pointwise)
     deciding = np.flatnonzero(without < 0)
     if not len(deciding):
         return None
     names = ", ".join(basis.views.names[v] for v in deciding[:4])
     more = f" and {len(deciding) - 4} more" if len(deciding) > 4 else ""
     alone = " (each alone)" if len(deciding) > 1 else ""
-    return f"without view {names}{more}{alone} {second.key} would win over {first.key}"
+    return f"without view {names}{more}{alone} {second.name} would win over {first.name}"
 
 
 def views_disagree(basis: Evidenced) -> str | None:
     """Find a lens that predicts new views better than the most probable one."""
-    best = basis.lenses[0]
-    if best.left_out is None:
+    best = basis.best
+    if best.loo is None:
         return None
     for judged in basis.lenses[1:]:
-        if judged.left_out is None:
+        if judged.loo is None:
             continue
-        gain = judged.left_out.log_density - best.left_out.log_density
+        gain = judged.loo.pointwise - best.loo.pointwise
         total, se = float(gain.sum()), float(gain.std(ddof=1)) * math.sqrt(len(gain))
         if total > 4 and total > 2 * se:
             return (
-                f"leaving views out prefers {judged.key} (by {total:.1f} +- {se:.1f} nat), though "
-                f"{best.key} is more probable"
+                f"leaving views out prefers {judged.name} (by {total:.1f} +- {se:.1f} nat), though "
+                f"{best.name} is more probable"
             )
     return None
 

@@ -8,16 +8,17 @@ import numpy as np
 
 from bayescal.arrays import Array, IntArray
 from bayescal.calibration.density import Problem
-from bayescal.comparison.lenses.results import ViewsLeftOut
+from bayescal.comparison.leave_one_out import LeaveOneOut
 
 REFITS = 2  # Gauss-Newton steps from the fit to all views
 
 
-def leave_views_out(problem: Problem) -> ViewsLeftOut | None:
+def leave_views_out(problem: Problem) -> tuple[LeaveOneOut, Array] | None:
     """Predict each view from the others under the same error model.
 
-    ln p(view | others) is the difference of two evidences, both by linear algebra. None for
-    fewer than three views.
+    ln p(view | others) is the difference of two evidences, both by linear algebra; with the
+    lens's coordinates without each view, ``(n_views, dimension)``. None for fewer than three
+    views.
     """
     n = problem.data.n_views
     if n < 3:
@@ -27,7 +28,8 @@ def leave_views_out(problem: Problem) -> ViewsLeftOut | None:
         rest = refitted(problem, np.delete(np.arange(n), view))
         densities.append(problem.laplace.log_evidence - rest.laplace.log_evidence)
         lenses.append(rest.x + rest.laplace.mean)
-    return ViewsLeftOut(np.array(densities), np.array(lenses))
+    left_out = LeaveOneOut(np.array(densities), refitted=tuple(range(n)))
+    return left_out, np.array(lenses)
 
 
 def refitted(problem: Problem, views: IntArray) -> Problem:
@@ -42,12 +44,12 @@ def refitted(problem: Problem, views: IntArray) -> Problem:
     return found
 
 
-def halves(problem: Problem) -> tuple[Problem, Problem] | None:
-    """Fit every second view and the others; None for fewer than six views."""
+def halves(problem: Problem) -> tuple[Array, ...]:
+    """Coordinates of the lens fitted to every second view and to the others, if six or more."""
     n = problem.data.n_views
     if n < 6:
-        return None
-    return refitted(problem, np.arange(0, n, 2)), refitted(problem, np.arange(1, n, 2))
+        return ()
+    return tuple(refitted(problem, np.arange(first, n, 2)).x for first in (0, 1))
 
 
 def jackknife(lenses: Array) -> Array:

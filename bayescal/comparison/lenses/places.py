@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem
 from bayescal.calibration.observations import Observations
 from bayescal.comparison.lenses.left_out import jackknife
 from bayescal.comparison.lenses.prediction import (
@@ -39,42 +38,37 @@ def named_places(size: tuple[float, float]) -> tuple[tuple[str, tuple[float, flo
 
 
 def places(
-    best: JudgedLens,
     lenses: Sequence[JudgedLens],
     data: Observations,
     covariance: Array,
-    two: tuple[Problem, Problem] | None,
-    depth: float,
+    halves: tuple[Array, ...],
 ) -> tuple[Place, ...]:
     """Uncertainty at the named places.
 
     Parameters
     ----------
-    best : JudgedLens
     lenses : sequence of JudgedLens
-        All: what the probable ones predict otherwise adds to the variance.
+        The best first: what the other probable ones predict otherwise adds to the variance.
     data : Observations
     covariance : Array
         Of the best lens's coordinates, the error models averaged.
-    two : tuple of Problem or None
-        The best lens fitted to two halves of the views.
-    depth : float
-        Of the target, diagonals.
+    halves : tuple of Array
+        Coordinates of the best lens fitted to two halves of the views, where there are such.
     """
     names, pixels = zip(*named_places(data.size), strict=True)
     at, sample = np.array(pixels), observed_sample(data)
-    problem = best.evidence.problem
-    view = View(problem.model, problem.x)
+    best = lenses[0]
+    view = best.view
     spreads = []
-    for distance in (None, depth):
+    for distance in (None, best.evidence.problem.poses.depth):
         own = deviation(response(view, at, sample, distance), covariance)
         spreads.append(np.hypot(own, between(view, lenses, at, sample, distance)))
     far = response(view, at, sample, None)
     jack = half = np.full(len(at), np.nan)
-    if best.left_out is not None:
-        jack = deviation(far, jackknife(best.left_out.lenses))
-    if two is not None:
-        apart = np.einsum("nai,i->na", far, two[0].x - two[1].x)
+    if best.without is not None:
+        jack = deviation(far, jackknife(best.without))
+    if halves:
+        apart = np.einsum("nai,i->na", far, halves[0] - halves[1])
         # Half the views have twice the variance, and a difference of two of them four times.
         half = np.sqrt((apart**2).mean(axis=1)) / 2
     columns = zip(names, pixels, *spreads, jack, half, strict=True)
@@ -89,9 +83,7 @@ def between(
     for judged in lenses[1:]:
         if judged.probability < 0.01:
             continue
-        other = judged.evidence.problem
-        moved = difference(view, View(other.model, other.x), at, sample, depth)
-        moves.append(np.nan_to_num(moved))
+        moves.append(np.nan_to_num(difference(view, judged.view, at, sample, depth)))
         shares.append(judged.probability)
     weights = np.array(shares) / math.fsum(shares)
     gap = np.array(moves) - np.einsum("k,kna->na", weights, np.array(moves))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from typing import Any
 
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
@@ -11,7 +11,10 @@ from bayescal.calibration.error_model import ErrorModel
 from bayescal.calibration.judge import LensEvidence, Setting
 from bayescal.calibration.least_squares import Fit
 from bayescal.calibration.lens_model import LensModel
-from bayescal.comparison.lenses.candidates import Candidate
+from bayescal.comparison.judged import Judged
+from bayescal.comparison.lenses.candidates import Candidate, LensKey
+from bayescal.comparison.lenses.prediction import View
+from bayescal.comparison.settings import Settings
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.markup import bullets, table
 from bayescal.points.views.views import Views
@@ -19,69 +22,35 @@ from bayescal.rounding import significant
 
 
 @dataclass(frozen=True)
-class Request:
-    """What is asked for.
+class LensRequest:
+    """Which lens models are compared, and what else is held.
 
     Attributes
     ----------
     lenses : tuple of str or None
         As the user names them; None to have them found.
-    sigma : float or None
-        Known noise level, px; None where it is inferred.
     independent : bool
         Whether noise is taken as independent and the target as exact.
     square, centred : bool
         Whether fx = fy; whether the principal point stays in the middle.
-    seed : int
-    ess : int
-        Effective samples wanted of every parameter.
     draws : int
         Importance draws of each lens.
     """
 
     lenses: tuple[str, ...] | None = None
-    sigma: float | None = None
     independent: bool = False
     square: bool = False
     centred: bool = False
-    seed: int = 0
-    ess: int = 400
     draws: int = 2000
 
 
-@dataclass(frozen=True, eq=False)
-class ViewsLeftOut:
-    """What views say that a lens has not seen: each left out in turn, the rest fitted again.
-
-    Attributes
-    ----------
-    log_density : Array
-        ln p(view | other views), its pose integrated, ``(n_views,)``, nat.
-    lenses : Array
-        Coordinates of the lens without each view, ``(n_views, dimension)``.
-    """
-
-    log_density: Array
-    lenses: Array
-
-    @property
-    def elpd(self) -> float:
-        """Sum over the views."""
-        return float(self.log_density.sum())
-
-    @property
-    def se(self) -> float:
-        """Standard error of that sum."""
-        n = len(self.log_density)
-        return float(self.log_density.std(ddof=1) * math.sqrt(n))
-
-
-@dataclass(frozen=True, eq=False)
-class JudgedLens:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JudgedLens(Judged):
     """One lens model beside the others.
 
     Attributes
     ----------
+    key : LensKey
     candidate : Candidate
     model : LensModel
         Without bow.
@@ -96,9 +65,11 @@ class JudgedLens:
     aic, bic : float
         Of that fit, poses counted.
     evidence : LensEvidence
-    probability : float
-    left_out : ViewsLeftOut or None
-        Where probable enough to be looked at, and there are views enough.
+    loo : LeaveOneOut or None
+        A unit is a view, its pose integrated, all else fitted to the others; None where the lens
+        is too improbable to be looked at, or there are too few views.
+    without : Array or None
+        Coordinates of the lens without each view, ``(n_views, dimension)``.
     difference : float or None
         Largest distance of predictions from the best model's over the image, at infinity, after
         the turn of the poses is taken out, px; None where the models can't be compared.
@@ -106,6 +77,7 @@ class JudgedLens:
         The same where the observed points are (their convex hull).
     """
 
+    key: LensKey
     candidate: Candidate
     model: LensModel
     fit: Fit
@@ -115,15 +87,45 @@ class JudgedLens:
     aic: float
     bic: float
     evidence: LensEvidence
+    log_evidence: float
+    log_evidence_error: float
     probability: float = 0.0
-    left_out: ViewsLeftOut | None = None
+    without: Array | None = None
     difference: float | None = None
     inside: float | None = None
 
     @property
-    def key(self) -> str:
+    def name(self) -> str:
         """As tables show it."""
-        return self.candidate.key
+        return self.candidate.name
+
+    @property
+    def view(self) -> View:
+        """The lens at its mode, as predictions are made with it."""
+        return View(self.evidence.problem.model, self.evidence.problem.x)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What is drawn of the best lens.
+
+    Attributes
+    ----------
+    posterior : SampledPosterior
+        Under its most probable error model, by emcee.
+    draws : Array
+        Coordinates of the lens with the error models averaged, ``(n_draws, dimension)``.
+    covariance : Array
+        Of the same, by linear algebra, ``(dimension, dimension)``.
+    halves : tuple of Array
+        Coordinates of the lens fitted to every second view and to the others, ``(dimension,)``
+        each; empty where there are too few views.
+    """
+
+    posterior: SampledPosterior
+    draws: Array
+    covariance: Array
+    halves: tuple[Array, ...]
 
 
 @dataclass(frozen=True)
@@ -152,36 +154,62 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Evidenced:
-    """What caveats are made from.
+    """What verdict and caveats are made from.
 
     Attributes
     ----------
     views : Views
     setting : Setting
+        Observations, error models, what is known of sigma.
     lenses : tuple of JudgedLens
         The most probable first.
+    impossible : tuple of str
+        Lenses that can't see some point of these views.
     failures : tuple of str
         Lenses whose fit stayed worse than that of one they contain.
-    posterior : SampledPosterior
+    drawn : Drawn
     places : tuple of Place
-    two : tuple of Problem or None
-    size : tuple of float
-        Of the image, px.
     """
 
     views: Views
     setting: Setting
     lenses: tuple[JudgedLens, ...]
+    impossible: tuple[str, ...]
     failures: tuple[str, ...]
-    posterior: SampledPosterior
+    drawn: Drawn
     places: tuple[Place, ...]
-    two: tuple[Problem, Problem] | None
-    size: tuple[float, float]
+
+    @property
+    def best(self) -> JudgedLens:
+        """The most probable lens."""
+        return self.lenses[0]
 
     @property
     def problem(self) -> Problem:
         """The best lens at its mode."""
-        return self.lenses[0].evidence.problem
+        return self.best.evidence.problem
+
+    @property
+    def posterior(self) -> SampledPosterior:
+        """Of the best lens under its most probable error model, by emcee."""
+        return self.drawn.posterior
+
+    @property
+    def draws(self) -> Array:
+        """Coordinates of the best lens with the error models averaged."""
+        return self.drawn.draws
+
+    @property
+    def errors(self) -> tuple[tuple[ErrorModel, float], ...]:
+        """Error models and their probabilities under the best lens."""
+        found = self.best.evidence.errors
+        models = map(self.setting.grid.error, found.nodes)
+        return tuple(zip(models, found.weights, strict=True))
+
+    @property
+    def range(self) -> float:
+        """Distance of the target from the camera, median over the views, the target's unit."""
+        return self.problem.poses.depth * self.setting.data.diagonal
 
 
 @dataclass(frozen=True)
@@ -212,72 +240,51 @@ class LensVerdict:
     text: str
 
 
-@dataclass(frozen=True, eq=False)
-class LensComparison:
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class LensComparison(Evidenced):
     """Lens models compared over many views of a target.
 
     Attributes
     ----------
-    views : Views
-    setting : Setting
-        Observations, error models, what is known of sigma.
-    lenses : tuple of JudgedLens
-        The most probable first.
-    impossible : tuple of str
-        Lenses that can't see some point of these views.
-    errors : tuple of (ErrorModel, float)
-        Error models and their probabilities under the best lens.
-    posterior : SampledPosterior
-        Of the best lens under its most probable error model, by emcee.
-    draws : Array
-        Coordinates of the best lens with the error models averaged, ``(n_draws, dimension)``.
-    places : tuple of Place
-    range : float
-        Distance of the target from the camera, median over the views, the target's unit.
     verdict : LensVerdict
     notes : tuple of str
         What was assumed.
-    request : Request
+    request : LensRequest
+    settings : Settings
+    origin : dict or None
+        As of `bayescal.comparison.results.Comparison`.
     """
 
-    views: Views
-    setting: Setting
-    lenses: tuple[JudgedLens, ...]
-    impossible: tuple[str, ...]
-    errors: tuple[tuple[ErrorModel, float], ...]
-    posterior: SampledPosterior
-    draws: Array
-    places: tuple[Place, ...]
-    range: float
     verdict: LensVerdict
     notes: tuple[str, ...]
-    request: Request
+    request: LensRequest
+    settings: Settings
+    origin: dict[str, Any] | None = None
 
     @property
-    def best(self) -> JudgedLens:
-        """The most probable lens."""
-        return self.lenses[0]
+    def plausible(self) -> tuple[JudgedLens, ...]:
+        """Lenses that can't be excluded at 95 %."""
+        return tuple(j for j in self.lenses if j.name in self.verdict.plausible)
 
     @property
     def sound(self) -> bool:
         """Whether draws converged and evidences can be trusted, as far as they matter."""
-        plausible = [j for j in self.lenses if j.key in self.verdict.plausible]
-        return self.posterior.converged and all(j.evidence.estimate.certain for j in plausible)
+        return self.posterior.converged and all(j.sound for j in self.plausible)
 
-    def __getitem__(self, key: str) -> JudgedLens:
+    def __getitem__(self, name: str) -> JudgedLens:
         for judged in self.lenses:
-            if judged.key == key:
+            if judged.name == name:
                 return judged
-        raise KeyError(key)
+        raise KeyError(f"{name!r} was not compared; compared: {[j.name for j in self.lenses]}")
 
     def _repr_html_(self) -> str:
         """Show the lenses in a notebook."""
         heads = ["lens", "RMS [px]", "ln Z", "probability", "differs inside [px]"]
         rows = [
             [
-                j.key,
+                j.name,
                 f"{j.rms:.4f}",
-                f"{j.evidence.log_evidence:.2f}",
+                f"{j.log_evidence:.2f}",
                 f"{j.probability:.3f}",
                 "" if j.inside is None else significant(j.inside),
             ]
@@ -289,5 +296,5 @@ class LensComparison:
 
     def __repr__(self) -> str:
         lines = [f"<LensComparison: {len(self.lenses)} lenses over {len(self.views)} views"]
-        lines += [f"  {j.key}: P {j.probability:.3f}, RMS {j.rms:.3f} px" for j in self.lenses[:5]]
+        lines += [f"  {j.name}: P {j.probability:.3f}, RMS {j.rms:.3f} px" for j in self.lenses[:5]]
         return "\n".join([*lines, f"  {self.verdict.text}>"])

@@ -40,24 +40,24 @@ def judge_lenses(lenses: Sequence[JudgedLens], caveats: Sequence[str]) -> LensVe
     )
     status = "undecided"
     if len(lenses) == 1:
-        status, text = "single", f"{best.key} is the only lens compared."
+        status, text = "single", f"{best.name} is the only lens compared."
     elif not others:
         status = "decided"
         second = lenses[1]
-        factor = best.evidence.log_evidence - second.evidence.log_evidence
+        factor = best.log_evidence - second.log_evidence
         text = (
-            f"These views support {best.key}, {percent(best.probability)}: decided at 95%. Next is "
-            f"{second.key}, 2 ln B = {2 * factor:.1f}, {strength(factor)} (Kass & Raftery)."
+            f"These views support {best.name}, {percent(best.probability)}: decided at 95%. Next "
+            f"is {second.name}, 2 ln B = {2 * factor:.1f}, {strength(factor)} (Kass & Raftery)."
         )
     else:
-        names = ", ".join(f"{j.key} ({percent(j.probability)})" for j in others)
-        lead = f"{best.key} is the most probable, {percent(best.probability)}; "
+        names = ", ".join(f"{j.name} ({percent(j.probability)})" for j in others)
+        lead = f"{best.name} is the most probable, {percent(best.probability)}; "
         if worth is not None and worth <= TOLERANCE:
             status = "suffices"
             simplest = min(plausible, key=lambda j: j.model.dimension)
             text = (
                 f"{lead}{names} can't be excluded, but predict the same within "
-                f"{significant(worth)} px where there are points: {simplest.key} suffices there."
+                f"{significant(worth)} px where there are points: {simplest.name} suffices there."
             )
             if beyond is None or beyond > TOLERANCE:
                 far = "" if beyond is None else f", by up to {significant(beyond)} px"
@@ -73,5 +73,5 @@ def judge_lenses(lenses: Sequence[JudgedLens], caveats: Sequence[str]) -> LensVe
                 f"predictions differ by {by} where there are points."
             )
     return LensVerdict(
-        best.key, tuple(j.key for j in plausible), status, worth, beyond, tuple(caveats), text
+        best.name, tuple(j.name for j in plausible), status, worth, beyond, tuple(caveats), text
     )

@@ -140,7 +140,7 @@ def sigma_unusual(basis: Evidenced) -> str | None:
     problem = basis.problem
     sigma = math.sqrt(problem.reduced.sum_of_squares / degrees(problem.data))
     low, high = USUAL_SIGMA
-    total = basis.lenses[0].rms / math.sqrt(2)
+    total = basis.best.rms / math.sqrt(2)
     if total > high:
         return (
             f"residuals of {significant(total)} px are more than a corner detector's usual "

@@ -37,6 +37,6 @@ def fitted_camera(found: LensComparison) -> FittedCamera:
         (width, height),
         covariance=np.atleast_2d(np.cov(draws[:, varied].T)),
         names=names[varied].tolist(),
-        model=found.best.key,
+        model=found.best.name,
         sound=found.sound,
     )

@@ -22,8 +22,11 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
     views, verdict = found.views, found.verdict
     return {
         "schema": SCHEMA,
-        "provenance": {**provenance(command), "seed": found.request.seed},
-        "settings": asdict(found.request),
+        "provenance": found.origin or provenance(command, found.settings),
+        "settings": {
+            **asdict(found.request),
+            **{name: getattr(found.settings, name) for name in ("sigma", "seed", "ess")},
+        },
         "data": {
             "source": views.source,
             "sha256": views.sha256,
@@ -48,13 +51,14 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
         "lenses": [_lens(judged, found) for judged in found.lenses],
         "impossible": list(found.impossible),
         "posterior": {
-            "lens": found.best.key,
+            "lens": found.best.name,
             "converged": found.posterior.converged,
             "acceptance": found.posterior.chain.acceptance,
             "parameters": [
                 {"name": p.name, **summary_facts(p)} for p in found.posterior.parameters
             ],
             "evidence": evidence_facts(found.posterior),
+            "log_evidence_laplace": found.problem.laplace.log_evidence,
         },
         "projection_sd_px": {
             "range": found.range,
@@ -74,10 +78,10 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
 
 
 def _lens(judged: JudgedLens, found: LensComparison) -> dict[str, Any]:
-    estimate, lost = judged.evidence.estimate, judged.left_out
+    estimate, lost = judged.evidence.estimate, judged.loo
     values = judged.model.report(judged.fit.x, found.setting.data.diagonal).tolist()
     return {
-        "name": judged.key,
+        "name": judged.name,
         "family": judged.candidate.family,
         "order": judged.candidate.order,
         "n_parameters": judged.n_parameters,
@@ -86,8 +90,8 @@ def _lens(judged: JudgedLens, found: LensComparison) -> dict[str, Any]:
         "aic": judged.aic,
         "bic": judged.bic,
         "least_squares": dict(zip(judged.model.names, values, strict=True)),
-        "log_evidence": judged.evidence.log_evidence,
-        "log_evidence_error": finite(judged.evidence.error),
+        "log_evidence": judged.log_evidence,
+        "log_evidence_error": finite(judged.log_evidence_error),
         "effective_fraction": estimate.effective_fraction,
         "pareto_k": finite(estimate.pareto_k),
         "evidence_warnings": list(estimate.warnings),
@@ -95,7 +99,7 @@ def _lens(judged: JudgedLens, found: LensComparison) -> dict[str, Any]:
         "probability": judged.probability,
         "elpd_views": None if lost is None else lost.elpd,
         "elpd_views_se": None if lost is None else lost.se,
-        "elpd_of_views": None if lost is None else lost.log_density.tolist(),
+        "elpd_of_views": None if lost is None else lost.pointwise.tolist(),
         "difference_inside_px": judged.inside,
         "difference_image_px": judged.difference,
     }

@@ -12,6 +12,7 @@ if TYPE_CHECKING:  # the command's help lists the kinds without paying for matpl
     from matplotlib.figure import Figure
 
     from bayescal.comparison.families.results import FamilyComparison
+    from bayescal.comparison.lenses.results import LensComparison
     from bayescal.comparison.outliers.results import OutlierStudy
     from bayescal.comparison.results import Comparison
 
@@ -38,7 +39,7 @@ class FigureKind:
     Attributes
     ----------
     name : str
-        As the command line takes it; also its module in the folder of `of`.
+        As the command line takes it, unique among those of `of`; also its module in that folder.
     summary : str
         One line.
     one_axis : bool
@@ -95,7 +96,7 @@ class FigureKind:
         """Give what its module draws: an axis and order of a comparison, or the whole result."""
         if order is not None and not self.one_order:
             raise InputError(f"{self.name} shows every order; leave out the order")
-        if self.of == "families":
+        if self.of in ("families", "lenses"):
             if axis is not None:
                 raise InputError(f"{self.name} is of r and c together; leave out the axis")
             return result
@@ -119,7 +120,7 @@ class FigureKind:
 
 
 # A kind is one module in the folder of its result and one line here.
-_LIST = (
+FIGURES = (
     FigureKind("verdict", "probability of each order, all axes"),
     FigureKind("joint", "probability of each pair of orders"),
     FigureKind("evidence", "log evidence of each order over fixed tau", one_axis=True),
@@ -147,12 +148,28 @@ _LIST = (
     FigureKind("position", "camera position against the stated one", of="families"),
     FigureKind("correlation", "correlations of the parameters", of="families"),
     FigureKind("bad-points", "residual and probability of being bad", one_axis=True, of="outliers"),
+    FigureKind("evidence", "log evidence over the order", of="lenses"),
+    FigureKind("models", "log evidence of every lens", of="lenses"),
+    FigureKind("difference", "where the two best lenses predict otherwise", of="lenses"),
+    FigureKind("uncertainty", "deviation of the projection over the image", of="lenses"),
+    FigureKind("corner", "posterior of the lens", of="lenses"),
+    FigureKind("vectors", "residuals of all views over the image", of="lenses"),
+    FigureKind("views", "residuals view by view", of="lenses"),
+    FigureKind("bow", "the target's bow, and its points that are off", of="lenses"),
 )
-KINDS: dict[str, FigureKind] = {kind.name: kind for kind in _LIST}
+
+
+def figure_kinds(of: str) -> dict[str, FigureKind]:
+    """Give the kinds of figure of a kind of result, by their names."""
+    return {kind.name: kind for kind in FIGURES if kind.of == of}
+
+
+# By their names alone: where several kinds of result have one, that of the first.
+KINDS = {kind.name: next(k for k in FIGURES if k.name == kind.name) for kind in FIGURES}
 
 
 def plot(
-    comparison: Comparison | FamilyComparison | OutlierStudy,
+    comparison: Comparison | FamilyComparison | OutlierStudy | LensComparison,
     kind: str,
     *,
     axis: str | None = None,
@@ -162,19 +179,21 @@ def plot(
 
     Parameters
     ----------
-    comparison : Comparison, FamilyComparison or OutlierStudy
+    comparison : Comparison, FamilyComparison, OutlierStudy or LensComparison
         From `compare`, `compare_polynomials`, `fit`, `compare_families`, `fit_family`,
-        `outliers` or `open_run`.
+        `outliers`, `calibrate` or `open_run`.
     kind : str
         Of orders: ``"verdict"``, ``"joint"``, ``"evidence"``, ``"loo"``, ``"bootstrap"``,
         ``"residuals"``, ``"other"``, ``"image"``, ``"qq"``, ``"curve"``, ``"corner"``,
         ``"trace"``, ``"autocorrelation"``. Of families: ``"models"``, ``"vectors"``,
-        ``"position"``, ``"correlation"``. Of bad points: ``"bad-points"``.
+        ``"position"``, ``"correlation"``. Of bad points: ``"bad-points"``. Of lenses:
+        ``"evidence"``, ``"models"``, ``"difference"``, ``"uncertainty"``, ``"corner"``,
+        ``"vectors"``, ``"views"``, ``"bow"``.
     axis : str, optional
         ``"r"``, ``"c"`` or ``"y"``; may be left out where there is only one, and for
-        a figure of all axes. Families have none.
+        a figure of all axes. Families and lenses have none.
     order : int, optional
-        One of those compared; the recommended one by default. Families have none.
+        One of those compared; the recommended one by default. Families and lenses have none.
 
     Returns
     -------
@@ -189,7 +208,7 @@ def plot(
     from bayescal.report.runs import kind_of
 
     of = kind_of(comparison).name
-    known = [shown.name for shown in KINDS.values() if shown.of == of]
+    known = figure_kinds(of)
     if kind not in known:
         raise InputError(f"{kind!r} is no kind of figure of {of}; kinds: {', '.join(known)}")
-    return KINDS[kind].draw(comparison, axis, order)
+    return known[kind].draw(comparison, axis, order)

@@ -2,33 +2,133 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import dataclasses
 from typing import Any
 
-from bayescal.comparison.lenses.results import LensComparison
-from bayescal.report.blocks import Blocks
-from bayescal.report.document.lenses import lenses_document
-from bayescal.report.run.camera import CAMERA, camera_bytes_of
-from bayescal.report.run.kind import Kind
-from bayescal.report.views.lenses import brief
+from bayescal.calibration.judge import Setting
+from bayescal.calibration.observations import Observations
+from bayescal.calibration.sampled import SampledLens
+from bayescal.comparison.lenses.analysis import concluded, level_of
+from bayescal.comparison.lenses.results import Drawn, LensComparison, LensRequest
+from bayescal.comparison.lenses.sweep import image_size
+from bayescal.comparison.settings import Settings
+from bayescal.errors import InputError
+from bayescal.inference.arviz_bridge import Draws
+from bayescal.inference.stored import packed, unpack_sampled
+from bayescal.points.views.views import Views
+from bayescal.points.views.writer import views_to_csv
+from bayescal.report.document.lenses import SCHEMA, lenses_document
+from bayescal.report.run.files import RunFiles
+from bayescal.report.run.folder import LENSES, VIEWS, described
+from bayescal.report.run.kept_lenses import KeptLenses, lenses_bytes
+from bayescal.report.run.kind import RunKind
+from bayescal.report.run.shape import NUMBER, Same
+from bayescal.report.views.lenses.views import VIEWS as SHOWN
+
+# Residuals are computed again at the lens and poses that were kept.
+SHAPE = {
+    "provenance": {"command": str, "seed": int},
+    "data": {"source": str, "sha256": str, "n_points": Same("number of points", int)},
+    "settings": {
+        "lenses": (list, type(None)),
+        "independent": bool,
+        "square": bool,
+        "centred": bool,
+        "draws": int,
+        "sigma": (*NUMBER, str),
+        "seed": int,
+        "ess": int,
+    },
+    "lenses": [
+        {
+            "name": str,
+            "log_evidence": Same("log evidence"),
+            "probability": Same("probability"),
+            "rms_px": Same("RMS"),
+            "difference_inside_px": Same("difference to the best", within=1e-4),
+        }
+    ],
+    "posterior": {
+        "lens": Same("best lens", str),
+        "log_evidence_laplace": Same("log evidence by linear algebra"),
+    },
+    "verdict": {
+        "best": Same("best lens", str),
+        "plausible": Same("list of plausible lenses", list),
+        "status": Same("verdict's status", str),
+    },
+}
+ASKED = frozenset(field.name for field in dataclasses.fields(LensRequest))
 
 
-class LensesKind(Kind[LensComparison]):
+class LensesKind(RunKind[LensComparison]):
     """Which lens model many views support."""
+
+    result = LensComparison
+    name = "lenses"
+    element = "lenses"
+    views = SHOWN
+    schema = SCHEMA
+    made_by = "calibrate"
+    shape = SHAPE
+    beside = ASKED
 
     def document(self, result: LensComparison, command: str) -> dict[str, Any]:
         """Build its document."""
         return lenses_document(result, command)
 
-    def view(self, result: LensComparison, *, full: bool = False) -> Blocks:  # noqa: ARG002
-        """Give what its command prints, which is everything."""
-        return brief(result)
+    def read(self, result: LensComparison) -> Views:
+        """Give its views."""
+        return result.views
 
-    def fill(self, folder: Path, result: LensComparison) -> None:
-        """Write the camera beside the document."""
-        camera = camera_bytes_of(result)
-        if camera is not None:
-            (folder / CAMERA).write_bytes(camera)
+    def files(self, result: LensComparison) -> dict[str, bytes]:
+        """Give its views, and what takes long about its lenses."""
+        return {VIEWS: views_to_csv(result.views).encode(), LENSES: lenses_bytes(result)}
+
+    def draws(self, result: LensComparison) -> dict[str, Draws]:
+        """Draws of the best lens, under its most probable error model."""
+        best, pixels = result.best, result.views.pixels
+        kept = described(
+            packed(result.posterior),
+            {"r": pixels[:, 0], "c": pixels[:, 1]},
+            lens=best.name,
+            units="fx, fy, cx, cy, sigma px; coefficients without unit; bow in the target's unit; "
+            "tau a fraction of the image's width, of bow of the target's diagonal",
+        )
+        return {best.key.file(): kept}
+
+    def reopen(self, run: RunFiles, settings: Settings) -> LensComparison:
+        """Conclude again from what was judged and drawn."""
+        asked = run.document["settings"]
+        request = LensRequest(**{name: asked[name] for name in ASKED})
+        if request.lenses is not None:
+            request = dataclasses.replace(request, lenses=tuple(request.lenses))
+        seen = run.views()
+        try:
+            kept = KeptLenses(run.content(LENSES))
+            data = Observations.from_views(seen, image_size(seen))
+            level = level_of(settings)
+            setting = Setting.of(data, level, kept.unit, independent=request.independent)
+            lenses = kept.lenses(setting, request)
+            best = lenses[0]
+            model = SampledLens(best.evidence.problem)
+            posterior = run.read_draws(best.key.file(), lambda d: unpack_sampled(d, model))
+            drawn = Drawn(posterior, kept.draws, kept.covariance, kept.halves)
+            impossible, failures = kept.names("impossible"), kept.names("failures")
+        except (ValueError, KeyError, TypeError, IndexError) as error:
+            raise InputError(
+                f"{run.folder / LENSES}: is damaged: {' '.join(str(error).split())}; {run.again}"
+            ) from None
+        return concluded(
+            seen,
+            request,
+            settings,
+            setting,
+            lenses,
+            drawn,
+            impossible=impossible,
+            failures=failures,
+        )
 
 
-LENSES = LensesKind()
+KIND = LensesKind()

@@ -16,14 +16,15 @@ from bayescal.inference.arviz_bridge import Draws, parse_netcdf
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
 from bayescal.points.tables.text import reason
-from bayescal.polynomials.whole import Whole
+from bayescal.points.views.reader import load_views
+from bayescal.points.views.views import Views
 from bayescal.report.document.shared import versions
-from bayescal.report.run.folder import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, digest
-from bayescal.report.run.reduction import REDUCTION, parse_reduction
+from bayescal.report.run.folder import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, VIEWS, digest
 from bayescal.report.run.shape import misshapen
 from bayescal.version import __version__
 
 Kept = TypeVar("Kept")
+Rows = TypeVar("Rows", Correspondences, Views)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,11 +134,19 @@ class RunFiles:
         """Read the points, which name the source they once came from."""
         for name in (POINTS, SETUP):
             self.content(name)
-        read = load(self.folder / POINTS, self.folder / SETUP)
+        return self._named(load(self.folder / POINTS, self.folder / SETUP))
+
+    def views(self) -> Views:
+        """Read the views, which name the source they once came from."""
+        self.content(VIEWS)
+        return self._named(load_views(self.folder / VIEWS))
+
+    def _named(self, read: Rows) -> Rows:
+        """Give what was read the source, the lines and the notes it once had."""
         lines, data = self.manifest.get("lines"), self.document["data"]
         if lines is not None and not (
             isinstance(lines, list)
-            and len(lines) == len(read)
+            and len(lines) == len(read.pixels)
             and all(isinstance(line, int) for line in lines)
         ):
             raise InputError(f"{self.folder / MANIFEST}: is damaged: lines; {self.again}")
@@ -150,19 +159,7 @@ class RunFiles:
             sha256=data["sha256"],
             lines=None if lines is None else tuple(lines),
             notes=tuple(notes),
-            drawn_from=data["n_points"] if REDUCTION in self.manifest["files"] else None,
         )
-
-    def whole(self) -> dict[str, Whole] | None:
-        """Read the reduction of many points; None where the run holds them all."""
-        if REDUCTION not in self.manifest["files"]:
-            return None
-        raw = self.content(REDUCTION)
-        try:
-            return parse_reduction(raw)
-        except (ValueError, KeyError, TypeError, OSError) as error:
-            where = self.folder / REDUCTION
-            raise InputError(f"{where}: is damaged: {error}; {self.again}") from None
 
     def keeps_draws(self, name: str) -> bool:
         """Whether draws of a name were written."""

@@ -3,8 +3,9 @@
 ``result.json``       the result document (what marks a folder as a run)
 ``run.json``          the format's number, who wrote it, the hash of every file below and above
 ``points.csv``        the points, every digit of them
-``reduction.npz``     of many points, of which points.csv holds a sample: their factorisation
 ``setup.toml``        what is known of the camera
+``views.csv``         views of a target, in place of points and setup
+``lenses.npz``        fits, evidences and views left out of lenses over many views
 ``camera.npz``        the calibrated camera (bayescal.prediction), where the result is of one
 ``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
 ``corner-*.png``      pictures, for people only
@@ -16,27 +17,40 @@ import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from bayescal.arrays import Array
 from bayescal.files import RESULT, FolderKind
 from bayescal.inference.arviz_bridge import Draws, write_netcdf
-from bayescal.points.correspondences import Correspondences
-from bayescal.points.writer import to_csv, to_toml
 from bayescal.report.run.camera import CAMERA
 from bayescal.report.run.camera import MANIFEST as MANIFEST
-from bayescal.report.run.reduction import REDUCTION
 from bayescal.version import __version__
 
 # Rises when an older version could no longer read what a newer one writes.
 FORMAT = 1
-POINTS, SETUP = "points.csv", "setup.toml"
+POINTS, SETUP, VIEWS, LENSES = "points.csv", "setup.toml", "views.csv", "lenses.npz"
 DRAWS = "draws"
-RUN = FolderKind("run", RESULT, (MANIFEST, POINTS, REDUCTION, SETUP, CAMERA, DRAWS, "corner-*.png"))
+RUN = FolderKind(
+    "run", RESULT, (MANIFEST, POINTS, SETUP, VIEWS, LENSES, CAMERA, DRAWS, "corner-*.png")
+)
+
+
+class Read(Protocol):
+    """Points or views, as they were read."""
+
+    @property
+    def lines(self) -> tuple[int, ...] | None:
+        """Lines of their file."""
+        ...
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was assumed."""
+        ...
 
 
 def fill_run(
-    folder: Path, points: Correspondences, draws: Mapping[str, Draws], camera: bytes | None
+    folder: Path, files: Mapping[str, bytes], draws: Mapping[str, Draws], read: Read
 ) -> None:
     """Write beside the document what a run is reopened from.
 
@@ -44,16 +58,15 @@ def fill_run(
     ----------
     folder : Path
         Holds the document.
+    files : mapping of str to bytes
+        What the result is of, its camera and what else it takes up again, by their names.
     draws : mapping of str to Draws
         By the model's name.
-    camera : bytes or None
-        The camera's file, where there is a camera.
+    read : Read
+        What was read, once.
     """
-    if camera is not None:
-        (folder / CAMERA).write_bytes(camera)
-    texts = {POINTS: to_csv(points), SETUP: to_toml(points.setup)}
-    for name, text in texts.items():
-        (folder / name).write_bytes(text.encode())
+    for name, raw in files.items():
+        (folder / name).write_bytes(raw)
     (folder / DRAWS).mkdir()
     for name, kept in draws.items():
         write_netcdf(folder / DRAWS / f"{name}.nc", kept)
@@ -64,9 +77,9 @@ def fill_run(
         "bayescal": __version__,
         "files": hashes,
         # The points' lines in the file they once came from, for messages.
-        "lines": None if points.lines is None else list(points.lines),
+        "lines": None if read.lines is None else list(read.lines),
         # What had to be assumed to read it.
-        "notes": list(points.notes),
+        "notes": list(read.notes),
     }
     (folder / MANIFEST).write_bytes((json.dumps(manifest) + "\n").encode())
 

@@ -12,11 +12,12 @@ from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.files import FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import Draws
+from bayescal.points.writer import to_csv, to_toml
 from bayescal.report.blocks import Blocks
 from bayescal.report.document.shared import dumps
-from bayescal.report.run.camera import camera_bytes_of
+from bayescal.report.run.camera import CAMERA, camera_bytes_of
 from bayescal.report.run.files import RunFiles
-from bayescal.report.run.folder import RUN, fill_run
+from bayescal.report.run.folder import POINTS, RUN, SETUP, fill_run
 from bayescal.report.run.shape import disagreement
 from bayescal.report.views.views import Views
 
@@ -136,14 +137,26 @@ class RunKind(Kind[Result]):
     def pictures(self, folder: Path, result: Result) -> None:
         """Add pictures, which nothing is read from."""
 
-    def fill(self, folder: Path, result: Result) -> None:
-        """Write points, setup, draws and their hashes, and pictures."""
+    def read(self, result: Result) -> Any:
+        """Give what the result is of, as it was read: its points."""
         points = getattr(result, "points", None)
         if points is None:
             raise InputError(
                 f"a run holds world points and pixels; this {self.name} is of plain arrays"
             )
-        fill_run(folder, points, self.draws(result), camera_bytes_of(result))
+        return points
+
+    def files(self, result: Result) -> dict[str, bytes]:
+        """Give the files, by their names, that hold what the result is of."""
+        points = self.read(result)
+        return {POINTS: to_csv(points).encode(), SETUP: to_toml(points.setup).encode()}
+
+    def fill(self, folder: Path, result: Result) -> None:
+        """Write what the result is of, camera, draws and their hashes, and pictures."""
+        files, camera = self.files(result), camera_bytes_of(result)
+        if camera is not None:
+            files[CAMERA] = camera
+        fill_run(folder, files, self.draws(result), self.read(result))
         self.pictures(folder, result)
 
     def open(self, folder: Path, *, defend: bool | None = None) -> Result:

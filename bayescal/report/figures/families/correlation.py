@@ -12,7 +12,7 @@ from bayescal.report.figures.comparison.joint import LINES
 from bayescal.report.figures.parameters import parameter_symbol
 from bayescal.report.figures.style import BLUE, VERMILLION, WIDTH
 from bayescal.report.numbers import correlations
-from bayescal.report.views.families.words import weak_lines
+from bayescal.report.views.families.words import weak_words
 
 DIVERGING = LinearSegmentedColormap.from_list("correlation", [VERMILLION, "#ffffff", BLUE])
 CELL = 0.42  # inches, at most
@@ -94,7 +94,7 @@ def alt_text(found: FamilyComparison) -> str:
     strong = [k for k in order.tolist() if abs(matrix[i[k], j[k]]) >= STRONG]
     said = ", ".join(f"{names[j[k]]} and {names[i[k]]} {matrix[i[k], j[k]]:+.2f}" for k in strong)
     strongest = f"The strongest: {said}." if said else f"None is beyond {STRONG:g}."
-    weak = " ".join(f"{line[0].upper()}{line[1:]}" for line in weak_lines(model.posterior))
+    weak = " ".join(f"{line[0].upper()}{line[1:]}" for line in weak_words(model.posterior))
     return (
         f"Table of the correlations of the {len(names)} parameters of {model.key}. {strongest} "
         f"{weak}"

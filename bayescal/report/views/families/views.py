@@ -34,7 +34,7 @@ from bayescal.report.views.families.words import (
     no_criteria,
     power_words,
     sampling_words,
-    weak_lines,
+    weak_words,
 )
 from bayescal.report.views.views import Views
 from bayescal.rounding import significant
@@ -78,7 +78,7 @@ def full(found: FamilyComparison) -> Blocks:
         blocks.append(parameters(model))
     if model.posterior is not None:
         table = correlation_table(model.posterior)
-        notes = tuple(weak_lines(model.posterior))
+        notes = tuple(weak_words(model.posterior))
         blocks.append(Tabled("families-correlation", "Correlations.", table, notes))
     return (*blocks, *sampling(found))
 
@@ -217,7 +217,7 @@ def _weak(found: FamilyComparison) -> Blocks:
     for model in found.models:
         if model.posterior is not None:
             none = f"No combination of parameters of {model.key} is weakly identified."
-            return listed(weak_lines(model.posterior) or [none])
+            return listed(weak_words(model.posterior) or [none])
     return ()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.comparison.key import FREE, PINHOLE
-from bayescal.comparison.weak import weak_combinations
+from bayescal.comparison.weak import weak_lines
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.polynomials import bivariate
 from bayescal.report.numbers import correlations
@@ -37,6 +37,11 @@ def assumed_lines(found: FamilyComparison) -> list[tuple[str, str]]:
     return pairs
 
 
+def weak_words(posterior: SampledPosterior) -> list[str]:
+    """Name what moves together, a sentence for each combination."""
+    return weak_lines(posterior.names, correlations(posterior))
+
+
 def no_criteria(found: FamilyComparison) -> str:
     """Say why a model has no AIC and BIC."""
     if found.settings.choice.robust:
@@ -49,15 +54,6 @@ def power_words(model: JointModel) -> list[str]:
     if model.key.family != bivariate.NAME:
         return []
     return ["First power: of x/z in r (alpha), of y/z in c (beta); second: of the other."]
-
-
-def weak_lines(posterior: SampledPosterior) -> list[str]:
-    """Name what moves together, a sentence for each combination."""
-    out = []
-    for names, shares in weak_combinations(posterior.names, correlations(posterior)):
-        parts = ", ".join(f"{n} ({s:+.2f})" for n, s in zip(names, shares, strict=True))
-        out.append(f"Weakly identified together: {parts} move as one.")
-    return out
 
 
 def fit_words(model: JointModel) -> str | None:

@@ -23,7 +23,7 @@ from scipy.io import loadmat, savemat
 
 import bayescal as bc
 from bayescal.points.views.formats import archive, mat_contents
-from tests.helpers.view_files import (
+from tests.points.test_view_formats import (
     BOARD,
     IMAGES,
     OBJECTS,

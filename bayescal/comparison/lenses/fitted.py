@@ -1,0 +1,98 @@
+"""A lens that is fitted and to be judged: the candidate of a comparison of lenses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bayescal.arrays import Array
+from bayescal.calibration.error_grid import Node
+from bayescal.calibration.judge import LensEvidence, Setting, lens_evidence
+from bayescal.calibration.least_squares import Fit, rms
+from bayescal.calibration.lens_model import LensModel
+from bayescal.comparison.leave_one_out import LeaveOneOut
+from bayescal.comparison.lenses.candidates import Candidate, LensKey
+from bayescal.comparison.lenses.results import JudgedLens
+from bayescal.comparison.settings import Settings
+from bayescal.comparison.store import Store
+
+
+@dataclass(frozen=True, eq=False)
+class FittedLens:
+    """A lens with its least-squares fit.
+
+    Attributes
+    ----------
+    candidate : Candidate
+    model : LensModel
+    fit : Fit
+    setting : Setting
+    start : tuple of Node
+        Error models to begin from.
+    draws : int
+        Importance draws.
+    then : callable
+        Called with what is judged: a sweep goes on by it.
+    """
+
+    candidate: Candidate
+    model: LensModel
+    fit: Fit
+    setting: Setting
+    start: tuple[Node, ...]
+    draws: int
+    then: Callable[[JudgedLens], None]
+
+    @property
+    def key(self) -> LensKey:
+        """Which it is."""
+        return LensKey(name=self.candidate.name)
+
+    def judge(self, _: Store, settings: Settings) -> JudgedLens:
+        """Weigh its evidence."""
+        rng = self.key.rng(settings.seed)
+        found = lens_evidence(self.model, self.fit, self.setting, self.start, rng, self.draws)
+        judged = judged_lens(self.candidate, self.model, self.fit, self.setting, found)
+        self.then(judged)
+        return judged
+
+
+def judged_lens(
+    candidate: Candidate,
+    model: LensModel,
+    fit: Fit,
+    setting: Setting,
+    evidence: LensEvidence,
+    loo: LeaveOneOut | None = None,
+    without: Array | None = None,
+) -> JudgedLens:
+    """Put a lens's evidence, and what left-out views say, beside its least-squares criteria."""
+    data, sigma = setting.data, setting.level.sigma
+    n, k = data.n_points, model.dimension + 6 * data.n_views
+    chi2 = None
+    if sigma is not None:
+        chi2 = fit.sum_of_squares / sigma**2
+        log_likelihood = -0.5 * chi2 - 2 * n * math.log(sigma)
+    else:
+        k += 1
+        log_likelihood = -n * (math.log(fit.sum_of_squares / (2 * n)) + 1)
+    log_likelihood += data.log_weight - n * math.log(2 * math.pi)
+    aic, bic = (-2 * log_likelihood + k * each for each in (2, math.log(n)))
+    return JudgedLens(
+        key=LensKey(name=candidate.name),
+        log_evidence=evidence.log_evidence,
+        log_evidence_error=evidence.estimate.error,
+        warnings=evidence.estimate.warnings,
+        candidate=candidate,
+        model=model,
+        fit=fit,
+        rms=rms(data, fit.sum_of_squares),
+        n_parameters=k,
+        chi2=chi2,
+        aic=aic,
+        bic=bic,
+        evidence=evidence,
+        loo=loo,
+        without=without,
+    )

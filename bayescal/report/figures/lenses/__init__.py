@@ -1,0 +1,1 @@
+"""Figures of lens models compared over many views."""

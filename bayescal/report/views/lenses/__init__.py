@@ -1,0 +1,1 @@
+"""Lens models over many views as people see them."""

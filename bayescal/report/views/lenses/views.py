@@ -1,0 +1,190 @@
+"""Lens models over many views as people see them: what is printed, and the chapters of a page."""
+
+from __future__ import annotations
+
+from bayescal.comparison.lenses.results import LensComparison
+from bayescal.comparison.verdict import percent
+from bayescal.report.blocks import (
+    Answer,
+    Answers,
+    Block,
+    Blocks,
+    Details,
+    Facts,
+    Figure,
+    Part,
+    Prose,
+    Section,
+    Tabled,
+    listed,
+)
+from bayescal.report.views.lenses.tables import (
+    SHOWN,
+    lenses_table,
+    parameters_table,
+    places_table,
+    views_table,
+)
+from bayescal.report.views.lenses.words import (
+    about,
+    assumed,
+    bow_words,
+    error_words,
+    lens_footnotes,
+    parameters_note,
+    places_note,
+    sampling_words,
+    weak_words,
+)
+from bayescal.report.views.views import Views
+from bayescal.rounding import significant
+
+UNSOUND = "draws did not converge, or an evidence should not be trusted."
+CAPTIONS = {
+    "evidence": "Log evidence over the number of radial coefficients, below the best lens; "
+    "dashed: odds of 20 to 1. On the right lenses without an order.",
+    "models": "Log evidence of each lens below the best; dark: not excluded at 95%.",
+    "difference": "Where the two most probable lenses predict otherwise, at infinity, px, the turn "
+    "of the poses taken out; grey: where points were seen.",
+    "vectors": "What is left over of every point in all views, the target's offsets taken out; "
+    "lengths magnified.",
+    "views": "The same, view by view; one scale for all.",
+    "uncertainty": "Standard deviation of the projection at infinity, px (rms of r and c), the "
+    "turn of the poses taken out; dots: the points.",
+    "corner": "Posterior of the lens, its error models averaged: every pair of parameters, and "
+    "each alone.",
+    "bow": "Where points of the target are off, from its residuals in all views, and its bow.",
+}
+
+
+def brief(found: LensComparison) -> Blocks:
+    """Everything that ``calibrate`` prints."""
+    return (
+        *listed(about(found), "about"),
+        Facts(tuple(assumed(found))),
+        lenses(found),
+        *verdict(found),
+        parameters(found),
+        places(found),
+        *sampling(found),
+    )
+
+
+def verdict(found: LensComparison) -> Blocks:
+    """Say in words what was found, with its caveats."""
+    caveats = listed([f"{caveat}." for caveat in found.verdict.caveats], "caveat")
+    return (Prose(found.verdict.text, lead="Verdict"), *caveats)
+
+
+def lenses(found: LensComparison) -> Tabled:
+    """Show the most probable lenses."""
+    caption, notes = "Lens models, the most probable first.", tuple(lens_footnotes(found))
+    return Tabled("lenses", caption, lenses_table(found, SHOWN), notes)
+
+
+def parameters(found: LensComparison) -> Tabled:
+    """Show the posterior of the best lens."""
+    notes = (parameters_note(found), *weak_words(found))
+    caption = f"Posterior of {found.best.name}."
+    return Tabled("lens-parameters", caption, parameters_table(found), notes)
+
+
+def places(found: LensComparison) -> Tabled:
+    """Show how sure the projection is."""
+    caption = "How sure the projection is, px."
+    return Tabled("lens-places", caption, places_table(found), (places_note(found),))
+
+
+def sampling(found: LensComparison) -> Blocks:
+    """Say how the draws were made, and whether they can be trusted."""
+    said = (Prose(sampling_words(found), lead="Sampling"),)
+    return said if found.sound else (*said, Prose(UNSOUND, lead="NOT SOUND"))
+
+
+def verdict_section(found: LensComparison) -> Section:
+    """Open the page: which lens, how sure, with which caveats."""
+    blocks = (Answers(_answers(found)), *verdict(found), Facts(tuple(assumed(found))))
+    return Section("verdict", "Verdict", "Which lens do these views support?", blocks)
+
+
+def lenses_section(found: LensComparison) -> Section:
+    """Show the evidence and what the choice is worth."""
+    blocks: list[Block] = [_figure(found, "evidence"), lenses(found), _figure(found, "models")]
+    if len(found.lenses) > SHOWN:
+        every = lenses_table(found, len(found.lenses))
+        table = Tabled("lenses-all", "Every lens compared.", every)
+        blocks.append(Details("Every lens compared", (table,)))
+    if len(found.lenses) > 1:
+        blocks.append(Part("What the choice is worth", (_figure(found, "difference"),)))
+    lead = "The same views by each lens, the poses integrated out."
+    return Section("lenses", "Lens models", lead, tuple(blocks))
+
+
+def uncertainty_section(found: LensComparison) -> Section:
+    """Show where the camera can be trusted."""
+    blocks = places(found), _figure(found, "uncertainty")
+    return Section("uncertainty", "How sure the lens is", "Where can it be trusted?", blocks)
+
+
+def parameters_section(found: LensComparison) -> Section:
+    """Show the posterior."""
+    blocks = (parameters(found), _figure(found, "corner"), *sampling(found))
+    return Section("parameters", "Parameters", "What the draws say of the best lens.", blocks)
+
+
+def residuals_section(found: LensComparison) -> Section:
+    """Show what is left over, in the image and view by view."""
+    table = Tabled("views", "Residuals of each view.", views_table(found))
+    blocks = _figure(found, "vectors"), Part("View by view", (_figure(found, "views"), table))
+    lead = "A pattern in the image is a shape that the lens lacks."
+    return Section("residuals", "What is left over", lead, blocks)
+
+
+def target_section(found: LensComparison) -> Section | None:
+    """Show what is wrong with the target; None where it is taken as exact."""
+    if not (found.setting.bow or found.setting.grid.offsets):
+        return None
+    said = [words for words in (error_words(found), bow_words(found)) if words]
+    blocks = (*listed([f"{words[0].upper()}{words[1:]}." for words in said]), _figure(found, "bow"))
+    return Section("target", "The target", "How far is it from what it should be?", blocks)
+
+
+VIEWS = Views(
+    lambda _: "Which lens? Many views of a target compared",
+    about,
+    brief,
+    brief,
+    lambda found: [found.verdict.text],
+    {
+        "verdict": verdict_section,
+        "lenses": lenses_section,
+        "uncertainty": uncertainty_section,
+        "parameters": parameters_section,
+        "residuals": residuals_section,
+        "target": target_section,
+    },
+    UNSOUND,
+)
+
+
+def _answers(found: LensComparison) -> tuple[Answer, ...]:
+    """Say in large type which lens, and how sure its projection is."""
+    best, others = found.best, len(found.verdict.plausible) - 1
+    standing = f"{percent(best.probability)} probable"
+    if len(found.lenses) == 1:
+        standing = "the only one compared"
+    elif others:
+        standing += f"; {others} other{'s' * (others > 1)} not excluded"
+    else:
+        standing += "; decided at 95%"
+    answers = [Answer("lens", best.name, standing)]
+    known = {place.name: place.infinity for place in found.places}
+    corners = [v for name, v in known.items() if name.endswith("corner") and v is not None]
+    if known["centre"] is not None and corners:
+        centre, corner = (significant(v, 2) for v in (known["centre"], max(corners)))
+        answers.append(Answer("sd of the projection", f"{centre} px", f"centre; corners {corner}"))
+    return tuple(answers)
+
+
+def _figure(found: LensComparison, name: str) -> Figure:
+    return Figure(name, found, CAPTIONS[name])

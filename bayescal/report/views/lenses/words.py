@@ -1,0 +1,149 @@
+"""What is said of lens models over many views: noise, errors, priors, notes below tables."""
+
+from __future__ import annotations
+
+import math
+
+from bayescal.calibration.error_model import ErrorModel
+from bayescal.calibration.laplace import degrees
+from bayescal.comparison.lenses.results import LensComparison
+from bayescal.comparison.verdict import percent
+from bayescal.comparison.weak import correlation, weak_lines
+from bayescal.report.views.lenses.tables import SHOWN
+from bayescal.rounding import counted, rounded, significant
+
+PRIORS = (
+    "ln f about ln(width) sd 0.7, fy/fx sd 0.05, principal point sd 0.1 width about the middle; a "
+    "coefficient by its displacement at the image's corner, N(0, (tau width)^2), tau inferred; "
+    "poses uniform"
+)
+
+
+def about(found: LensComparison) -> list[str]:
+    """Say what was analysed."""
+    views, setting = found.views, found.setting
+    width, height = (int(v) for v in setting.data.size)
+    kind = "planar target" if setting.data.planar else "target"
+    line = (
+        f"{views.source}: {counted(len(views), 'view')}, {counted(views.n_points, 'point')} of a "
+        f"{kind} of {counted(len(views.target), 'point')}, image {width} by {height} px"
+    )
+    return [line, *(f"note: {note}" for note in found.notes)]
+
+
+def assumed(found: LensComparison) -> list[tuple[str, str]]:
+    """Name noise, errors and priors."""
+    level, factor = found.setting.level.sigma, found.views.sigma is not None
+    if level is None:
+        what = "a factor on the stated deviations" if factor else "one sigma"
+        noise = f"gaussian, {what} inferred, ln sigma uniform on 0.01 to 10 px"
+    else:
+        noise = f"gaussian, sigma {level:g}{' times those stated' if factor else ' px'}"
+    if found.setting.grid.correlated or found.setting.grid.offsets:
+        errors = f"settled before a lens is judged: {error_words(found)}"
+    else:
+        errors = "independent, the target exact (as asked for; no real target is)"
+    bow = bow_words(found)
+    pairs = [("noise", noise), ("errors", errors)]
+    return [*pairs, *([("bow", bow)] if bow else []), ("priors", PRIORS)]
+
+
+def error_words(found: LensComparison) -> str:
+    """Error models averaged, in words."""
+    weights = [weight for _, weight in found.errors]
+    total = math.fsum(weights)
+
+    def share(has: str) -> float:
+        return math.fsum(w for e, w in found.errors if getattr(e, has) > 0) / total
+
+    best = found.errors[0][0]
+    sigma = _sigma(found)
+    parts = []
+    if found.setting.grid.correlated:
+        parts.append(f"neighbours share errors: {percent(share('correlated'))}")
+    if found.setting.grid.offsets:
+        offsets = math.fsum(w for e, w in found.errors if e.offsets) / total
+        parts.append(f"points of the target off: {percent(offsets)}")
+    size = _shared_words(best, sigma)
+    return "; ".join(parts) + (f" ({size})" if size else "")
+
+
+def _shared_words(best: ErrorModel, sigma: float) -> str:
+    parts = []
+    if best.correlated:
+        parts.append(f"shared sd {significant(sigma * best.correlated**0.5)} px")
+    if best.offsets:
+        size = sigma * math.hypot(best.rough, best.smooth)
+        parts.append(f"offsets sd {significant(size)} px")
+    return ", ".join([*parts, f"own sd {significant(sigma)} px"]) if parts else ""
+
+
+def _sigma(found: LensComparison) -> float:
+    problem = found.best.evidence.problem
+    squares = problem.reduced.sum_of_squares
+    known = problem.level.sigma
+    return known if known is not None else math.sqrt(squares / degrees(problem.data))
+
+
+def bow_words(found: LensComparison) -> str:
+    """How much the target bows."""
+    if not found.setting.bow:
+        return ""
+    x, y = (found.posterior[name] for name in ("bow_x", "bow_y"))
+    return (
+        f"of the target along x {rounded(x.mean, x.sd)} +- {significant(x.sd)}, along y "
+        f"{rounded(y.mean, y.sd)} +- {significant(y.sd)} (its unit)"
+    )
+
+
+def lens_footnotes(found: LensComparison) -> list[str]:
+    """Explain the columns."""
+    lines = [
+        "inside, image: largest difference of predictions to the best lens in px, where the points "
+        "are and over the whole image, at infinity, after the turn that the poses absorb.",
+        "elpd: leave-one-view-out, the pose of the view integrated; d elpd against the best, +- "
+        "its paired standard error. dBIC counts poses, and takes noise as independent.",
+    ]
+    if found.impossible:
+        lines.append(f"not possible, some point can't be seen: {', '.join(found.impossible)}.")
+    if len(found.lenses) > SHOWN:
+        rest = ", ".join(j.name for j in found.lenses[SHOWN:])
+        lines.append(f"less probable, not shown: {rest} (--json has them).")
+    return lines
+
+
+def parameters_note(found: LensComparison) -> str:
+    """Say what the table of parameters is of."""
+    return (
+        f"{found.best.name} under its most probable error model, by emcee; fx, fy, cx, cy and "
+        "sigma in px, coefficients in OpenCV's order and sign; displacements: error models "
+        "averaged."
+    )
+
+
+def places_note(found: LensComparison) -> str:
+    """Say what the table of places shows."""
+    return (
+        "uncertainty of the projection in px (rms of r and c), the share of the poses taken out, "
+        f"error models and probable lenses averaged; range {significant(found.range, 3)}, the "
+        "target's distance. jackknife and halves: the same at infinity from the spread over views; "
+        "where that is clearly larger, quote it."
+    )
+
+
+def weak_words(found: LensComparison) -> list[str]:
+    """Name what moves together, a sentence for each combination."""
+    model, data = found.problem.model, found.setting.data
+    matrix = correlation(model.report(found.draws, data.diagonal))
+    return weak_lines(model.names, matrix)
+
+
+def sampling_words(found: LensComparison) -> str:
+    """Say how the draws were made."""
+    chain, estimate = found.posterior.chain, found.best.evidence.estimate
+    n = chain.draws.shape[0] * chain.draws.shape[1]
+    return (
+        f"{found.best.name}: {n} draws by emcee, acceptance {chain.acceptance:.2f}; evidence from "
+        f"{estimate.draws} importance draws, {100 * estimate.effective_fraction:.0f} % effective; "
+        f"seed {found.settings.seed}."
+    )

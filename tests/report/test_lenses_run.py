@@ -1,0 +1,148 @@
+"""Lenses on disk: reopened they say the same, nothing is fitted, and what is spoilt is refused."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import emcee
+import jsonschema
+import numpy as np
+import pytest
+
+import bayescal as bc
+from bayescal.calibration import judge, least_squares
+from bayescal.comparison.lenses import fitted, left_out
+from bayescal.comparison.lenses.results import LensComparison
+from bayescal.report.document.lenses import lenses_document
+from bayescal.report.document.shared import dumps, schema
+from bayescal.report.figures.registry import figure_kinds
+from tests.helpers import boards
+from tests.helpers.command import here
+from tests.report.test_spoilt_runs import cut, forged, result
+
+
+@pytest.fixture(scope="module")
+def made() -> LensComparison:
+    target = boards.board(5, 4)
+    world, pixels = boards.pictures(np.random.default_rng(1), 6, target=target)
+    width, height = boards.SIZE
+    names = [f"photo {i}" for i in range(6)]
+    views = bc.Views.from_arrays([world] * 6, list(pixels), names=names, width=width, height=height)
+    return bc.calibrate(views, lenses=["radial 1", "radial 2"], ess=100)
+
+
+@pytest.fixture(scope="module")
+def run(made: LensComparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("lenses") / "run"
+    bc.save_run(made, folder)
+    return folder
+
+
+@pytest.fixture
+def copy(run: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(run, tmp_path / "run"))
+
+
+def test_the_document_of_a_reopened_run_is_the_run_s_to_the_byte(run: Path) -> None:
+    kept = (run / "result.json").read_text(encoding="utf-8")
+    assert dumps(lenses_document(bc.open_run(run), "another command")) == kept
+    jsonschema.validate(json.loads(kept), schema("lenses"))
+
+
+def test_saved_again_every_file_is_the_same(run: Path, tmp_path: Path) -> None:
+    bc.save_run(bc.open_run(run), tmp_path / "again")
+    files = [p.relative_to(run) for p in run.rglob("*") if p.is_file()]
+    assert {"views.csv", "lenses.npz", "camera.npz"} < {str(name) for name in files}
+    for name in files:
+        assert (tmp_path / "again" / name).read_bytes() == (run / name).read_bytes(), name
+
+
+def test_nothing_is_fitted_weighed_or_sampled(
+    run: Path, made: LensComparison, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("something was computed")
+
+    monkeypatch.setattr(emcee.EnsembleSampler, "run_mcmc", refuse)
+    for module, name in (
+        (fitted, "lens_evidence"),
+        (judge, "weighed"),
+        (left_out, "refitted"),
+        (least_squares, "least_squares"),
+    ):
+        monkeypatch.setattr(module, name, refuse)
+    again = bc.open_run(run)
+    assert again.verdict == made.verdict
+    assert (again.draws == made.draws).all()
+    assert (again.best.loo.pointwise == made.best.loo.pointwise).all()
+    with pytest.raises(AssertionError, match="something was computed"):  # negative control
+        bc.calibrate(made.views, lenses=["radial 1"])
+
+
+def test_draws_and_camera_are_the_result_s(run: Path, made: LensComparison) -> None:
+    """Truth: ArviZ's variables have the means of the posterior; the camera predicts the same."""
+    import h5py
+
+    with h5py.File(run / "draws" / "radial-2.nc") as file:
+        for parameter in made.posterior.parameters:
+            mean = float(np.mean(file["posterior"][parameter.name][()]))
+            assert mean == pytest.approx(parameter.mean, rel=1e-12)
+    points = np.array([[10.0, -20.0, 400.0], [60.0, 30.0, 500.0]])
+    kept, now = (bc.predict(bc.camera(source), points) for source in (run, made))
+    assert (kept.mean == now.mean).all()
+
+
+@pytest.mark.parametrize("kind", figure_kinds("lenses"))
+def test_every_figure_is_drawn_of_a_run(kind: str, run: Path, tmp_path: Path) -> None:
+    place = tmp_path / "figure.svg"
+    done = here("plot", kind, run, "--out", place)
+    assert (done.code, done.err) == (0, "")
+    assert place.read_bytes().startswith(b"<?xml")
+    words = figure_kinds("lenses")[kind].alt_text(bc.open_run(run))
+    assert words in done.out
+
+
+def test_the_page_of_a_run(run: Path, made: LensComparison, tmp_path: Path) -> None:
+    place = tmp_path / "page.html"
+    done = here("report", run, "--out", place)
+    assert done.code == 0
+    assert made.verdict.text in done.out
+    page = place.read_text(encoding="utf-8")
+    for kind in figure_kinds("lenses"):
+        assert f'id="figure-{kind}"' in page
+    for name in made.views.names:
+        assert name in page
+    assert "http" not in page.replace("http://www.w3.org", "")  # nothing from outside
+
+
+SPOILT: dict[str, tuple[Callable[[Path], None], str]] = {
+    "arrays cut off": (forged("lenses.npz", cut), r"lenses\.npz: is damaged"),
+    "arrays changed": (lambda f: cut(f / "lenses.npz"), r"lenses\.npz: is not what was written"),
+    "another lens": (
+        result(("lenses.0.name", "radial 3")), r"lenses of the run are not those computed now"
+    ),
+    "another RMS": (
+        result(("lenses.0.rms_px", 0.1)), r"RMS of radial 2 is 0\.1 in the run but 0\.\d+ now"
+    ),
+    "another evidence": (
+        result(("posterior.log_evidence_laplace", 1.0)), r"log evidence by linear algebra is 1\.0"
+    ),
+    "another verdict": (
+        result(("verdict.status", "single")), r"verdict's status is single in the run"
+    ),
+    "a setting of today": (
+        result(("settings.square", True)), r"damaged|is .* in the run but"
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SPOILT)
+def test_a_spoilt_run_is_refused_in_a_line(name: str, copy: Path) -> None:
+    spoil, why = SPOILT[name]
+    spoil(copy)
+    with pytest.raises(bc.InputError, match=why) as error:
+        bc.open_run(copy)
+    assert "\n" not in str(error.value)
