@@ -38,6 +38,9 @@ _EXPORTS = {
     "camera": "bayescal.api.camera",
     "keep_camera": "bayescal.prediction.saved",
     "predict": "bayescal.api.camera",
+    "locate": "bayescal.api.camera",
+    "distances": "bayescal.api.camera",
+    "locate_target": "bayescal.api.camera",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
     "compare_polynomials": "bayescal.api.polynomials",
@@ -75,6 +78,7 @@ __all__ = [
     "compare",
     "compare_families",
     "compare_polynomials",
+    "distances",
     "fit",
     "fit_family",
     "fit_polynomial",
@@ -85,6 +89,8 @@ __all__ = [
     "load_camera",
     "load_setup",
     "load_views",
+    "locate",
+    "locate_target",
     "open_run",
     "opencv_camera",
     "outliers",
@@ -104,7 +110,7 @@ __all__ = [
 if TYPE_CHECKING:
     from bayescal.api.axes import compare, fit
     from bayescal.api.calibrate import calibrate
-    from bayescal.api.camera import camera, predict
+    from bayescal.api.camera import camera, distances, locate, locate_target, predict
     from bayescal.api.families import compare_families, fit_family
     from bayescal.api.outliers import outliers
     from bayescal.api.polynomials import compare_polynomials, fit_polynomial, least_squares

@@ -50,6 +50,11 @@ def plain(value: float, places: int = 1) -> str:
     return f"{value:.{places if size < 1e4 else 0}f}"
 
 
+def grouped(number: int) -> str:
+    """Write a whole number, its thousands apart where it has more than four digits."""
+    return f"{number:,}" if abs(number) >= 10_000 else f"{number}"
+
+
 def counted(number: int, noun: str) -> str:
     """Write a number of things, such as ``"1 point"`` and ``"2 points"``."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+    return f"{grouped(number)} {noun}" if number == 1 else f"{grouped(number)} {noun}s"

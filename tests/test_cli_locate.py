@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 
+import jsonschema
 import pytest
 
 import bayescal as bc
+from bayescal.report.document.shared import schema
 from tests.helpers.cases import not_a_number
 from tests.helpers.command import here
 
@@ -37,6 +40,11 @@ def test_points_at_a_depth(run, pixels):
     assert "noise" in done.out
     assert not_a_number(done.out) == []
     assert max(map(len, done.out.splitlines())) <= 100
+
+
+def test_the_document_follows_its_schema(run, pixels):
+    done = here("locate", run, pixels, "--depth", "300", "--json", "-")
+    jsonschema.validate(json.loads(done.out), schema("using"))
 
 
 def test_rows_hold_the_point_and_its_budget(run, pixels):

@@ -6,10 +6,12 @@ import csv
 import io
 import json
 
+import jsonschema
 import numpy as np
 import pytest
 
 import bayescal as bc
+from bayescal.report.document.shared import schema
 from tests.helpers.cases import not_a_number
 from tests.helpers.command import here
 
@@ -62,7 +64,8 @@ def test_the_document_holds_the_same(run, points, tmp_path):
     assert (done.code, done.out) == (0, "")
     assert done.err.count("left out") == 2
     document = json.loads(place.read_text())
-    assert document["schema"] == "bayescal-prediction-1"
+    jsonschema.validate(document, schema("using"))
+    assert document["schema"] == "bayescal.prediction/1"
     assert document["averaged"] is True
     assert np.isclose(sum(m["probability"] for m in document["models"]), 1)
     assert document["rows"][2]["r"] is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Unpack
 
-from bayescal.api.given import Given, GivenSetup, points_of
+from bayescal.api.given import Given, GivenSetup, reduced
 from bayescal.api.options import Options, spelled_out
 from bayescal.comparison.analysis import Progress, analyse_points
 from bayescal.comparison.results import Comparison
@@ -60,8 +60,8 @@ def compare(
     wanted = checked_orders(orders)
     settings = Settings(**options, defend=defend)
     by_axis = dict.fromkeys(axis_names(axis), wanted)
-    points = points_of(points, setup)
-    result = analyse_points(points, by_axis, settings, progress)
+    points, whole = reduced(points, setup, by_axis, settings)
+    result = analyse_points(points, by_axis, settings, progress, whole=whole)
     if not hint:
         return result
     from bayescal.comparison.families.hint import family_hint
@@ -104,8 +104,9 @@ def fit(
     orders = {a: checked_orders([k]) for a, k in (("r", order_r), ("c", order_c)) if k is not None}
     if not orders:
         raise InputError("give the order of r, of c or of both")
-    settings, points = Settings(**options, defend=False), points_of(points, setup)
-    result = analyse_points(points, orders, settings, progress)
+    settings = Settings(**options, defend=False)
+    points, whole = reduced(points, setup, orders, settings)
+    result = analyse_points(points, orders, settings, progress, whole=whole)
     from bayescal.comparison.families.hint import family_hint
 
     return result.with_hint(family_hint(points, result, settings))

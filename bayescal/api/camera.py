@@ -1,7 +1,8 @@
-"""The calibrated camera from Python: of a result, a run or a file, and what it predicts."""
+"""The calibrated camera from Python: of a result, a run or a file, and what it answers."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,8 +10,14 @@ import numpy as np
 
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.columns import prediction_columns
+from bayescal.prediction.columns import location_columns, pair_columns, prediction_columns
+from bayescal.prediction.locate import locate as locate_pixels
+from bayescal.prediction.locate import surface_of
+from bayescal.prediction.pairs import distances as distances_between
+from bayescal.prediction.predict import checked
 from bayescal.prediction.predict import predict as predict_pixels
+from bayescal.prediction.target import TargetPose
+from bayescal.prediction.target import locate_target as pose_of
 
 
 def camera(
@@ -73,10 +80,155 @@ def predict(source: Any, world: Any, *, average: bool | None = None) -> Any:
         Where the points have another shape, or a number is not finite.
     """
     fitted = camera(source)
-    if not hasattr(world, "columns"):
-        return predict_pixels(fitted, world, average=average)
-    missing = [name for name in "xyz" if name not in world.columns]
+    found = predict_pixels(fitted, _numbers(world, ("x", "y", "z"), "world"), average=average)
+    return _like(world, found, prediction_columns)
+
+
+def locate(
+    source: Any,
+    pixels: Any,
+    *,
+    depth: float | None = None,
+    depth_sd: float = 0.0,
+    plane: Sequence[float] | None = None,
+    average: bool | None = None,
+    seed: int = 0,
+) -> Any:
+    """Find what pixels look at: directions, or points at a known depth or on a known plane.
+
+    Parameters
+    ----------
+    source : CalibratedCamera, or anything `camera` takes
+    pixels : array_like or DataFrame
+        Measured r, c as recorded, ``(n, 2)``, px; a data frame has columns r, c.
+    depth : float, optional
+        z of the points, world units.
+    depth_sd : float, optional
+        Its standard deviation: the same error for all pixels.
+    plane : sequence of float, optional
+        a, b, c, d: the points lie on a x + b y + c z = d.
+    average : bool, optional
+        As in `camera`.
+    seed : int, optional
+        Of the draws of noise and depth.
+
+    Returns
+    -------
+    Location or DataFrame
+        Means and deviations by Monte Carlo and by linear propagation, world units, or unit vectors
+        without depth and plane. For a data frame its rows with the columns that ``bayescal
+        locate`` writes.
+
+    Raises
+    ------
+    InputError
+        Where the pixels have another shape, a number is not finite, or a surface is none.
+    """
+    surface = surface_of(depth, depth_sd, plane)
+    own = _numbers(pixels, ("r", "c"), "pixels")
+    found = locate_pixels(camera(source), own, surface=surface, average=average, seed=seed)
+    return _like(pixels, found, location_columns)
+
+
+def distances(
+    source: Any,
+    pairs: Any,
+    *,
+    depth: float | None = None,
+    depth_sd: float = 0.0,
+    plane: Sequence[float] | None = None,
+    average: bool | None = None,
+    seed: int = 0,
+) -> Any:
+    """Measure distances between pairs of pixels that look at a known depth or plane.
+
+    Parameters
+    ----------
+    source : CalibratedCamera, or anything `camera` takes
+    pairs : array_like or DataFrame
+        r, c of both ends, ``(n, 4)``, px; a data frame has columns r1, c1, r2, c2.
+    depth, depth_sd, plane
+        As in `locate`; one of depth and plane is needed.
+    average : bool, optional
+        As in `camera`.
+    seed : int, optional
+
+    Returns
+    -------
+    Distances or DataFrame
+        With expanded uncertainty and its budget, world units. For a data frame its rows with the
+        columns that ``bayescal locate --pairs`` writes.
+
+    Raises
+    ------
+    InputError
+        Where there is no surface, or pixels have another shape.
+    """
+    surface = surface_of(depth, depth_sd, plane)
+    ends = checked(_numbers(pairs, ("r1", "c1", "r2", "c2"), "pairs"), 4, "pairs")
+    found = distances_between(
+        camera(source), ends[:, :2], ends[:, 2:], surface, average=average, seed=seed
+    )
+    return _like(pairs, found, pair_columns)
+
+
+def locate_target(
+    source: Any,
+    target: Any,
+    pixels: Any = None,
+    *,
+    average: bool | None = None,
+    sigma: float | None = None,
+    seed: int = 0,
+) -> TargetPose:
+    """Find the pose of a known target from one new picture of it, with its covariance.
+
+    What solvePnP gives; the covariance holds the lens's uncertainty beside the pixels' noise.
+
+    Parameters
+    ----------
+    source : CalibratedCamera, or anything `camera` takes
+    target : array_like or DataFrame
+        Points in the target's own frame, ``(n, 3)``, world units: at least four, not on a line. A
+        data frame has columns x, y, z, r, c.
+    pixels : array_like, optional
+        Measured r, c of each as recorded, ``(n, 2)``, px; not beside a data frame.
+    average : bool, optional
+        As in `camera`.
+    sigma : float, optional
+        Sd of these pixels, px; by default that of the calibration's noise.
+    seed : int, optional
+        Of the noise's draws.
+
+    Returns
+    -------
+    TargetPose
+
+    Raises
+    ------
+    InputError
+        Where arrays have another shape or hold something else, the target has too few points, or
+        no pose puts all of them where the camera can see them.
+    """
+    points = _numbers(target, ("x", "y", "z"), "target")
+    if pixels is None:
+        if points is target:
+            raise InputError("pixels are missing: give r, c of each point, or a data frame of both")
+        pixels = _numbers(target, ("r", "c"), "target")
+    return pose_of(camera(source), points, pixels, average=average, sigma=sigma, seed=seed)
+
+
+def _numbers(given: Any, names: tuple[str, ...], what: str) -> Any:
+    """Take the named columns of a data frame; anything else as it is."""
+    if not hasattr(given, "columns"):
+        return given
+    missing = [name for name in names if name not in given.columns]
     if missing:
-        raise InputError(f"world: the data frame has no column {missing[0]!r}; it needs x, y, z")
-    found = predict_pixels(fitted, np.asarray(world[["x", "y", "z"]]), average=average)
-    return world.assign(**prediction_columns(found))
+        needed = ", ".join(names)
+        raise InputError(f"{what}: the data frame has no column {missing[0]!r}; it needs {needed}")
+    return np.asarray(given[list(names)])
+
+
+def _like(given: Any, found: Any, columns: Callable[[Any], dict[str, Any]]) -> Any:
+    """Answer a data frame by one: its rows, and what was found."""
+    return given.assign(**columns(found)) if hasattr(given, "columns") else found

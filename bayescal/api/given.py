@@ -3,15 +3,44 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from bayescal.comparison.many import can_reduce, reduce_points
+from bayescal.comparison.settings import Settings
+from bayescal.points.chunks.many import ManyPoints, many_points
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import camera_of, load
 from bayescal.points.setup import Setup
+from bayescal.polynomials.whole import Whole
+from bayescal.rounding import grouped
 
 Given: TypeAlias = Correspondences | str | Path | Any
 GivenSetup: TypeAlias = Setup | str | Path | None
+
+
+def reduced(
+    given: Given | ManyPoints,
+    setup: GivenSetup,
+    orders: Mapping[str, tuple[int, ...]],
+    settings: Settings,
+) -> tuple[Correspondences, dict[str, Whole] | None]:
+    """Make correspondences of what a caller gives, or a sample of many and their reduction.
+
+    Raises
+    ------
+    InputError
+        As `points_of`.
+    """
+    many = given if isinstance(given, ManyPoints) else many_points(given)
+    if many is None:
+        return points_of(given, setup), None
+    if setup is not None:
+        many = dataclasses.replace(many, setup=camera_of(setup))
+    if not can_reduce(many, settings):
+        return many.at_once(), None
+    return reduce_points(many, orders, settings)
 
 
 def points_of(given: Given, setup: GivenSetup = None) -> Correspondences:
@@ -31,6 +60,9 @@ def points_of(given: Given, setup: GivenSetup = None) -> Correspondences:
     """
     if not isinstance(given, Correspondences):
         return load(given, setup)
+    if given.drawn_from is not None:
+        drawn = f"these {len(given)} points were drawn from {grouped(given.drawn_from)}"
+        given = dataclasses.replace(given, drawn_from=None, notes=(*given.notes, drawn))
     if setup is None:
         return given
     return dataclasses.replace(given, setup=camera_of(setup))

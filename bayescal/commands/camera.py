@@ -107,7 +107,7 @@ def publish_rows(
 ) -> None:
     """Write rows where they are wanted, or show them."""
     from bayescal.files import write_whole
-    from bayescal.report.views.prediction import rows_text
+    from bayescal.report.document.using import rows_text
 
     texts: tuple[tuple[str | None, Callable[[], str]], ...] = (
         (options.out, lambda: rows_text(columns)),

@@ -7,6 +7,7 @@ from typing import Any
 
 from bayescal.commands import options as shared
 from bayescal.commands.families import add_families, families_of
+from bayescal.commands.many import many_or_few
 from bayescal.commands.output import add_output, check_output, deliver
 from bayescal.errors import InputError
 
@@ -43,9 +44,8 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.api.axes import compare
 
     check_output(options)
-    points = shared.points(options)
     models = len(shared.orders_of(options)) * shared.axes_of(options)
-    with shared.Progress(options, models) as progress:
+    with many_or_few(options) as points, shared.Progress(options, models) as progress:
         result = compare(
             points,
             defend=options.defend,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from bayescal.commands import options as shared
 from bayescal.commands.families import add_families
+from bayescal.commands.many import many_or_few
 from bayescal.commands.output import add_output, check_file, check_output, deliver
 from bayescal.errors import InputError
 
@@ -45,8 +46,7 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.api.axes import fit
 
     check_output(options)
-    points = shared.points(options)
-    with shared.Progress(options, 2) as progress:
+    with many_or_few(options) as points, shared.Progress(options, 2) as progress:
         result = fit(
             points,
             options.order_r,

@@ -11,13 +11,14 @@ from bayescal.commands.output import DONE
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
+    from bayescal.prediction.calibrated import CalibratedCamera
     from bayescal.prediction.locate import Surface
 
 HELP = "what do these pixels look at?"
 DESCRIPTION = (
     "Locate what measured pixels look at by a calibrated camera: directions, or points of the "
-    "world at a known depth z or on a known plane, and distances of pairs with their expanded "
-    "uncertainty. Of a lens without a pose the frame is the camera's."
+    "world at a known depth z or on a known plane, distances of pairs with their expanded "
+    "uncertainty, or the pose of a known target. A lens without a pose has the camera's frame."
 )
 PAIR = ("r1", "c1", "r2", "c2")
 
@@ -28,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "pixels",
         metavar="PIXELS",
-        help="a table with columns r,c (px, as recorded), or r1,c1,r2,c2 of --pairs; - reads it",
+        help="a table with columns r,c (px, as recorded); r1,c1,r2,c2 of --pairs; x,y,z,r,c of "
+        "--target; - reads it",
     )
     where = parser.add_argument_group("where the points lie")
     where.add_argument("--depth", type=float, metavar="Z", help="at this z, world units")
@@ -41,6 +43,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="on the plane A x + B y + C z = D",
     )
     where.add_argument("--pairs", action="store_true", help="distances of pairs of pixels")
+    target = parser.add_argument_group("a known target")
+    target.add_argument(
+        "--target",
+        action="store_true",
+        help="its pose from one new picture: x,y,z in its own frame, where each is seen",
+    )
+    target.add_argument("--sigma", type=float, metavar="PX", help="noise of these pixels")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
     add_rows(parser)
 
@@ -52,8 +61,13 @@ def run(options: argparse.Namespace) -> int:
     if options.seed < 0:
         raise InputError(f"seed must be 0 or more, not {options.seed}")
     camera = camera_of(options)
+    if options.target:
+        return _target(options, camera, surface)
+    if options.sigma is not None:
+        raise InputError("--sigma belongs to --target: other pixels have the calibration's noise")
+    from bayescal.prediction import columns as named
+    from bayescal.report.document import using
     from bayescal.report.views import location as shown
-    from bayescal.report.views.prediction import rows_document
 
     if options.pairs:
         if surface is None:
@@ -63,36 +77,55 @@ def run(options: argparse.Namespace) -> int:
 
         ends = table.columns("r1", "c1"), table.columns("r2", "c2")
         apart = distances(camera, *ends, surface, seed=options.seed)
-        columns = shown.pair_rows(table, apart)
-        schema, facts = shown.PAIRS_SCHEMA, {"probability": apart.probability}
+        columns = using.asked_and_found(table, PAIR, named.pair_columns(apart))
+        schema, facts = using.DISTANCES, {"probability": apart.probability}
         view = lambda: shown.pair_view(camera, table, apart, surface)  # noqa: E731
     else:
         table = read_table(options, options.pixels, ("r", "c"))
         from bayescal.prediction.locate import locate
 
         found = locate(camera, table.columns("r", "c"), surface=surface, seed=options.seed)
-        columns = shown.location_rows(table, found)
-        schema, facts = shown.SCHEMA, {"probability": found.probability}
+        columns = using.asked_and_found(table, ("r", "c"), named.location_columns(found))
+        schema, facts = using.LOCATION, {"probability": found.probability}
         view = lambda: shown.location_view(camera, table, found)  # noqa: E731
     command = options.command_line
     publish_rows(
-        options, columns, lambda: rows_document(schema, camera, columns, command, **facts), view
+        options,
+        columns,
+        lambda: using.rows_document(schema, camera, columns, command, **facts),
+        view,
+    )
+    return DONE
+
+
+def _target(options: argparse.Namespace, camera: CalibratedCamera, surface: Surface | None) -> int:
+    """Find the pose of a target."""
+    if surface is not None or options.pairs:
+        raise InputError("--target says where the points lie: leave out --depth, --plane, --pairs")
+    table = read_table(options, options.pixels, ("x", "y", "z", "r", "c"))
+    from bayescal.prediction.columns import target_columns
+    from bayescal.prediction.target import locate_target
+    from bayescal.report.document.using import target_document
+    from bayescal.report.views.target import target_view
+
+    points, pixels = table.columns("x", "y", "z"), table.columns("r", "c")
+    found = locate_target(camera, points, pixels, sigma=options.sigma, seed=options.seed)
+    command = options.command_line
+    publish_rows(
+        options,
+        target_columns(found),
+        lambda: target_document(camera, found, command),
+        lambda: target_view(camera, table, found),
     )
     return DONE
 
 
 def _surface(options: argparse.Namespace) -> Surface | None:
     """Where the points lie, as the options say."""
-    from bayescal.prediction.locate import Surface
+    from bayescal.prediction.locate import surface_of
 
     if options.depth is not None and options.plane is not None:
         raise InputError("--depth and --plane both say where the points lie: keep one")
-    sd = options.depth_sd or 0.0
-    if options.depth is not None:
-        return Surface((0.0, 0.0, 1.0), options.depth, sd)
-    if options.depth_sd is not None:
+    if options.depth is None and options.depth_sd is not None:
         raise InputError("--depth-sd belongs to --depth")
-    if options.plane is not None:
-        a, b, c, d = options.plane
-        return Surface((a, b, c), d)
-    return None
+    return surface_of(options.depth, options.depth_sd or 0.0, options.plane)

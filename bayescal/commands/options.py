@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
+from bayescal.commands.progress import Progress as Progress
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
+    from bayescal.points.chunks.many import ManyPoints
     from bayescal.points.correspondences import Correspondences
+
+    Points = TypeVar("Points", Correspondences, ManyPoints)
 
 CAMERA = (
     "columns",
@@ -169,13 +172,17 @@ def points(options: argparse.Namespace) -> Correspondences:
     """Read the points that the options name, with the camera they state."""
     from bayescal.points.bundled import thesis
     from bayescal.points.reader import load
+
+    source, second = files(options)
+    how = {"columns": options.columns, "view": options.view, "pixels": second}
+    return with_camera(thesis() if source is None else load(source, **how), options)
+
+
+def with_camera(found: Points, options: argparse.Namespace) -> Points:
+    """Give points the camera that the options state."""
     from bayescal.points.setup import load_setup
 
-    setup = load_setup(options.setup) if options.setup is not None else None
-    source, second = _files(options)
-    how = {"columns": options.columns, "view": options.view, "pixels": second}
-    found = thesis() if source is None else load(source, **how)
-    base = setup if setup is not None else found.setup
+    base = load_setup(options.setup) if options.setup is not None else found.setup
     flags: dict[str, Any] = {
         "position": tuple(options.camera_position) if options.camera_position else None,
         "width": options.image_width,
@@ -189,7 +196,7 @@ def points(options: argparse.Namespace) -> Correspondences:
     return dataclasses.replace(found, setup=base)
 
 
-def _files(options: argparse.Namespace) -> tuple[str | None, str | None]:
+def files(options: argparse.Namespace) -> tuple[str | None, str | None]:
     """Name the file of the points, or those of their world coordinates and of their pixels."""
     pair = (options.world, options.pixels)
     if pair == (None, None):
@@ -260,41 +267,3 @@ def orders_of(options: argparse.Namespace) -> list[int]:
 def axes_of(options: argparse.Namespace) -> int:
     """How many axes are compared."""
     return 1 if options.axis in ("r", "c") else 2
-
-
-class Progress:
-    """A progress bar on a terminal, once a second has passed."""
-
-    def __init__(
-        self,
-        options: argparse.Namespace,
-        total: int,
-        doing: str = "sampling",
-        unit: str = "model",
-    ) -> None:
-        shown = options.progress
-        if shown is None:
-            shown = sys.stderr.isatty() and not options.quiet
-        self._bar: Any = None
-        self._doing = doing
-        if shown:
-            from tqdm import tqdm
-
-            self._bar = tqdm(total=total, unit=unit, delay=1, leave=False, file=sys.stderr)
-
-    def __call__(self, axis: str, order: int) -> None:
-        """Count one model more, now being sampled."""
-        self.named(f"{axis}, order {order}")
-
-    def named(self, what: str) -> None:
-        """Count one thing more, now being done, by its name."""
-        if self._bar is not None:
-            self._bar.set_description(f"{self._doing} {what}", refresh=False)
-            self._bar.update()
-
-    def __enter__(self) -> Progress:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.close()

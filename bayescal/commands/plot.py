@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bayescal.commands import options as shared
+from bayescal.commands.many import many_or_few
 from bayescal.commands.output import DONE, add_progress, check_file, code_of
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import FIGURES, KINDS, FigureKind, figure_kinds
@@ -122,9 +123,8 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
     from bayescal.api.axes import compare
 
     _check(kind, options)
-    points = shared.points(options)
     models = len(shared.orders_of(options)) * shared.axes_of(options)
-    with shared.Progress(options, models) as progress:
+    with many_or_few(options) as points, shared.Progress(options, models) as progress:
         return compare(
             points,
             defend=kind.needs_defence,

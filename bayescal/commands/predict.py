@@ -33,14 +33,16 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.prediction.predict import predict
 
     found = predict(camera, table.columns("x", "y", "z"))
-    from bayescal.report.views import prediction as shown
+    from bayescal.prediction.columns import prediction_columns
+    from bayescal.report.document import using
+    from bayescal.report.views.prediction import prediction_view
 
-    columns = shown.prediction_rows(table, found)
+    columns = using.asked_and_found(table, ("x", "y", "z"), prediction_columns(found))
     publish_rows(
         options,
         columns,
-        lambda: shown.rows_document(
-            shown.SCHEMA,
+        lambda: using.rows_document(
+            using.PREDICTION,
             camera,
             columns,
             options.command_line,
@@ -48,6 +50,6 @@ def run(options: argparse.Namespace) -> int:
             probability=found.probability,
             notes=list(found.notes),
         ),
-        lambda: shown.prediction_view(camera, table, found),
+        lambda: prediction_view(camera, table, found),
     )
     return DONE

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from bayescal.commands import options as shared
 from bayescal.commands.families import add_families, families_of
+from bayescal.commands.many import many_or_few
 from bayescal.commands.output import add_progress, check_file, code_of
 from bayescal.commands.streams import print_utf8
 from bayescal.errors import InputError, OutputError
@@ -183,14 +184,14 @@ def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy
 
 def _compared(options: argparse.Namespace) -> Comparison:
     from bayescal.api.axes import compare
+    from bayescal.comparison.many import can_defend
 
-    points = shared.points(options)
     # Each axis's orders, and last its noise models.
     models = (len(shared.orders_of(options)) + 1) * shared.axes_of(options)
-    with shared.Progress(options, models) as progress:
+    with many_or_few(options) as points, shared.Progress(options, models) as progress:
         return compare(
             points,
-            defend=True,
+            defend=can_defend(points),
             progress=progress,
             **shared.settings(options),
         )

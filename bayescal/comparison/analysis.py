@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
@@ -35,6 +35,7 @@ from bayescal.points.groups import Groups, groups_of
 from bayescal.points.setup import AXES
 from bayescal.polynomials import separable
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.whole import Whole
 
 Progress: TypeAlias = Callable[[str, int], None]
 
@@ -46,7 +47,7 @@ class _Around:
     other: Array | None = None
     camera: Array | None = None
     groups: Groups | None = None
-    group_names: tuple[str, ...] | None = None
+    group_names: Sequence[str] | None = None
     geometry: tuple[str, ...] = ()
 
     @property
@@ -61,18 +62,24 @@ def analyse_points(
     settings: Settings,
     progress: Progress | None,
     store: Store | None = None,
+    whole: Mapping[str, Whole] | None = None,
 ) -> Comparison:
     """Compare the orders wanted of each axis of the separable family.
 
     `progress` is called with axis and order before each model is sampled; by default all are
-    sampled now.
+    sampled now. With the `whole` of each axis these points are a sample of it.
     """
     data = {name: separable.axis_data(points, name) for name in AXES}
+    if whole is not None:
+        # What a defence removes and resamples is not held.
+        settings = replace(settings, defend=False)
+        data |= {name: data[name].sampled_from(reduced) for name, reduced in whole.items()}
     for name, wanted in orders.items():
         # Refuse before anything is sampled.
         data[name].check(wanted[-1])
         prior_rule(data[name], settings, points.setup.priors.get(name)).of_order(wanted[-1])
-    groups, kept, odd = groups_of(points), store or Store(), tuple(odd_geometry(points))
+    groups = groups_of(points) if settings.defend else None  # a number per group and point
+    kept, odd = store or Store(), tuple(odd_geometry(points))
     axes = {}
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):

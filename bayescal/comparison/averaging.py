@@ -18,7 +18,7 @@ from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.order_result import OrderResult
 from bayescal.errors import InputError
 from bayescal.linear.closed_form import ExactPosterior, exact_posterior
-from bayescal.polynomials.basis import Domain, distinct_values, legendre_design
+from bayescal.polynomials.basis import Domain, legendre_design
 from bayescal.rounding import significant
 
 # Places of the domain whose predictions are shown: its edges, its middle and half-way.
@@ -129,7 +129,7 @@ def averaged_over(
     if order is None or len(exact) < len(results) or not axis.rule.of_order(order).proper:
         return None
     if len(results) == 1:
-        highest = min(max(order, USUAL), distinct_values(axis.data.x) - 1, len(axis.data) - 1)
+        highest = min(max(order, USUAL), axis.data.distinct - 1, axis.data.n - 1)
         try:
             wider = axis.up_to(highest)
             for k in range(1, highest + 1):

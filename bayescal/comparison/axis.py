@@ -94,12 +94,14 @@ class Axis:
         """Residual sum of squares, px^2, unweighted."""
         if self.data.sd is None:
             return fit.rss
+        if self.data.whole is not None:
+            return self.data.whole.plain.rss(fit.amplitudes)
         return float(np.sum(residuals(self.data, fit) ** 2))
 
     def check_resolved(self) -> None:
         """Refuse deviations so far below the residuals that rounding hides the likelihood."""
         where, rss = f"{self.data.source}: axis {self.data.axis}", self.fit(self.highest).rss
-        check_resolved(where, self.noise, rss, len(self.data), self.highest)
+        check_resolved(where, self.noise, rss, self.data.n, self.highest)
 
 
 def residuals(data: AxisData, fit: LeastSquaresFit) -> Array:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from bayescal.comparison.results import AxisComparison
+from bayescal.points.chunks.chunk import HELD
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.notes import point_notes
 
@@ -12,6 +13,7 @@ from bayescal.points.notes import point_notes
 def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str, ...]:
     """Say what is odd about the points, and what was assumed because nobody said otherwise."""
     return (
+        *_sampled(points),
         *point_notes(points),
         *(
             f"{axis.data.axis}: the image size is not known; the span of the pixels, "
@@ -20,3 +22,14 @@ def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str,
             if not axis.data.size_known
         ),
     )
+
+
+def _sampled(points: Correspondences) -> Iterator[str]:
+    """Say which statistics look at a sample only."""
+    if points.drawn_from is not None:
+        yield (
+            f"more than {HELD} points are reduced as they are read: least squares, chi-squared, "
+            "criteria, evidence and posterior are of all of them, exactly; tests of residuals, "
+            "replicates, geometry, figures and the look at other models take "
+            f"{len(points)}, drawn at random by the seed; a defence is not had of so many"
+        )

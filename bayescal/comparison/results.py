@@ -124,7 +124,7 @@ class AxisComparison:
             for r in self.orders
         ]
         heads = ["order", f"RSS, ({unit})²", f"sigma^, {unit}", "AICc", "BIC", "ln Z, nat"]
-        caption = f"{data.axis} as a polynomial of {data.regressor}, {len(data)} points"
+        caption = f"{data.axis} as a polynomial of {data.regressor}, {data.n} points"
         marked = next((i for i, r in enumerate(self.orders) if r.order == best), None)
         return table(caption, [*heads, "probability"], rows, marked=marked) + (
             self.verdict._repr_html_()

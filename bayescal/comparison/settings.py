@@ -226,6 +226,11 @@ def _pixel_noise(data: AxisData, settings: Settings, other: Array | None) -> Cho
     ignored = "; the points' own deviations are not used, as asked" if has_own else ""
     data = dataclasses.replace(data, sd=None)
     if wanted == "replicates":
+        if data.whole is not None:
+            raise InputError(
+                f"{data.source}: axis {data.axis}: replicates are sought among all points, of "
+                "which only a sample is held; state --sigma or leave it inferred"
+            )
         pure, dof = pure_error(data.x, other, data.t)
         if not pure:
             why = "do not differ" if dof else "don't exist: no two points share every regressor"
@@ -282,6 +287,6 @@ def check_resolved(where: str, noise: NoiseLevel, rss: float, n: int, order: int
 def prior_rule(data: AxisData, settings: Settings, stated: StatedPrior | None) -> PriorRule:
     """Choose the prior of an axis: as asked, else as the setup states, else field."""
     default = "stated" if stated is not None and settings.tau is None else "field"
-    centre = data.size / 2 if data.size_known else float(data.t.min() + np.ptp(data.t) / 2)
+    centre = data.size / 2 if data.size_known else data.middle
     name = settings.prior or default
     return PriorRule(name, data.size, centre, settings.tau, stated, data.pixel)

@@ -91,7 +91,7 @@ class MovingAxis:
         def rest(values: Array | None) -> Array | None:
             return None if values is None else np.delete(values, point, axis=0)
 
-        every, labels = self.framed, self.data.labels
+        every, labels = self.framed, tuple(self.data.labels)
         data = replace(
             every,
             x=np.delete(every.x, point),

@@ -12,6 +12,7 @@ from bayescal.errors import InputError
 from bayescal.linear.evidence import Reduced
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import PolynomialMap
+from bayescal.polynomials.whole import Whole
 
 # Condition number of the columns, scaled to unit length, beyond which they are dependent.
 LARGEST_CONDITION = 1e15
@@ -101,6 +102,8 @@ def factorise(data: AxisData, order: int) -> Factorisation:
         Where the points can't determine that order.
     """
     data.check(order)
+    if data.whole is not None:
+        return _leading(data, data.whole, order)
     augmented = np.column_stack([data.design(order), data.t])
     log_sd = 0.0
     if data.sd is not None:
@@ -116,6 +119,30 @@ def factorise(data: AxisData, order: int) -> Factorisation:
         tail,
         len(data),
         float(np.abs(augmented[:, -1]).max()),
+        log_sd,
+        data.monomials(order),
+    )
+
+
+def _leading(data: AxisData, whole: Whole, order: int) -> Factorisation:
+    """Take the factorisation of an order from that of all points, read in chunks."""
+    if order > whole.order:
+        raise InputError(
+            f"{data.source}: was reduced up to order {whole.order} as it was read; compare order "
+            f"{order} from the file itself"
+        )
+    triangle, log_sd = whole.plain, 0.0
+    if data.sd is not None:
+        assert whole.weighted is not None, "points with deviations are reduced with them"
+        triangle, log_sd = whole.weighted, whole.log_sd
+    size = order + 1
+    _check_determined(data, triangle.r[:size, :size], order)
+    return Factorisation(
+        frozen(triangle.r[:size, :size]),
+        frozen(triangle.qt[:size]),
+        float(np.linalg.norm([*triangle.qt[size:], triangle.tail])),
+        whole.n,
+        triangle.largest,
         log_sd,
         data.monomials(order),
     )

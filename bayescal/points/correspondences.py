@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,9 +27,9 @@ class Correspondences:
     pixels : Array
         Measured pixels r, c as recorded (c counted from the top unless the
         recording says otherwise), ``(n_points, 2)``, px.
-    labels : tuple of str
+    labels : sequence of str
         A name per point; "1", "2", ... where none was given.
-    groups : tuple of str or None
+    groups : sequence of str or None
         Which points share a cause of error.
     sigma : dict of str to Array
         Known standard deviations, ``(n_points,)``: of the pixels ("r", "c"), px, and of
@@ -37,24 +38,27 @@ class Correspondences:
         Camera position, image size, direction of c, stated priors.
     source : str
         Where the points came from.
-    lines : tuple of int or None
+    lines : sequence of int or None
         The file's line of each point.
     sha256 : str
         Hash of the file's bytes, or of the numbers where there was no file.
     notes : tuple of str
         What had to be assumed to read them.
+    drawn_from : int or None
+        How many points these were drawn from at random; None where they are all.
     """
 
     world: Array
     pixels: Array
-    labels: tuple[str, ...]
-    groups: tuple[str, ...] | None = None
+    labels: Sequence[str]
+    groups: Sequence[str] | None = None
     sigma: dict[str, Array] = field(default_factory=dict)
     setup: Setup = field(default_factory=Setup)
     source: str = "arrays"
-    lines: tuple[int, ...] | None = None
+    lines: Sequence[int] | None = None
     sha256: str = ""
     notes: tuple[str, ...] = ()
+    drawn_from: int | None = None
 
     @classmethod
     def from_arrays(
@@ -62,8 +66,8 @@ class Correspondences:
         world: ArrayLike,
         pixels: ArrayLike,
         *,
-        labels: tuple[str, ...] | None = None,
-        groups: tuple[str, ...] | None = None,
+        labels: Sequence[str] | None = None,
+        groups: Sequence[str] | None = None,
         sigma_r: ArrayLike | None = None,
         sigma_c: ArrayLike | None = None,
         sigma_x: ArrayLike | None = None,
@@ -79,7 +83,7 @@ class Correspondences:
             x, y, z, ``(n_points, 3)``, world units.
         pixels : array_like
             r, c as measured, ``(n_points, 2)``, px.
-        labels, groups : tuple of str, optional
+        labels, groups : sequence of str, optional
             A name and a group per point.
         sigma_r, sigma_c : array_like, optional
             Known standard deviations of the pixels, ``(n_points,)``, px.
@@ -135,6 +139,11 @@ class Correspondences:
     def __len__(self) -> int:
         return len(self.world)
 
+    @property
+    def n(self) -> int:
+        """Number of points, those that they were drawn from among them."""
+        return len(self) if self.drawn_from is None else self.drawn_from
+
     def camera_frame(self) -> Array:
         """World points less the camera position, ``(n_points, 3)``, world units."""
         return self.world - frozen(self.setup.position)
@@ -186,7 +195,7 @@ class Correspondences:
         ]
         return np.column_stack(columns)
 
-    def causes(self) -> tuple[str, tuple[str, ...]]:
+    def causes(self) -> tuple[str, Sequence[str]]:
         """Which points share a cause of error: the column `group`, else a plane of z.
 
         Returns
@@ -210,7 +219,7 @@ class Correspondences:
         return f"<Correspondences: {len(self)} points from {self.source}, {self.setup}>"
 
 
-def one_line(texts: tuple[str, ...]) -> tuple[str, ...]:
+def one_line(texts: Sequence[str]) -> tuple[str, ...]:
     """Fold the white space of labels, so that each stays on its line in print and in a file.
 
     What no text file can hold (null bytes, lone surrogates) counts as white space.

@@ -12,7 +12,7 @@ import numpy as np
 
 from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
-from bayescal.points.exports import colmap, parquet, qgis, spreadsheet
+from bayescal.points.exports import colmap, npy, parquet, qgis, spreadsheet
 from bayescal.points.pairs import read_pair
 from bayescal.points.setup import AXES, Setup, load_setup
 from bayescal.points.tables.columns import KNOWN, REQUIRED, SIGMAS, Columns, parse_stated
@@ -23,7 +23,7 @@ from bayescal.points.tables.text import quoted
 from bayescal.rounding import counted
 
 # In the order they are asked; a table of text is what remains.
-EXPORTS = (spreadsheet, parquet, qgis, colmap)
+EXPORTS = (spreadsheet, parquet, npy, qgis, colmap)
 COLUMNS = Columns(REQUIRED, KNOWN)
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from bayescal.polynomials.basis import (
     legendre_design,
 )
 from bayescal.polynomials.plane import PlaneMap, plane_columns, plane_design, powers
+from bayescal.polynomials.whole import Whole
 from bayescal.rounding import counted
 
 # Powers of ten that a product of two such numbers must leave room for.
@@ -42,7 +44,7 @@ class AxisData:
         Measured pixels, ``(n_points,)``, px.
     sd : Array or None
         Known standard deviations per point, ``(n_points,)``, px.
-    labels : tuple of str
+    labels : sequence of str
         A name per point.
     size : float
         Image size along the axis, or the span of t where it is not known, px.
@@ -58,6 +60,8 @@ class AxisData:
     frame : tuple of Domain or None
         Domains of the basis where they are not those of these points: the basis stays
         when the camera moves.
+    whole : Whole or None
+        All points, reduced, where these are a sample of them.
     """
 
     axis: str
@@ -66,16 +70,42 @@ class AxisData:
     x: Array
     t: Array
     sd: Array | None
-    labels: tuple[str, ...]
+    labels: Sequence[str]
     size: float
     size_known: bool
     source: str
     x_sd: Array | None = None
     other: Array | None = None
     frame: tuple[Domain, ...] | None = None
+    whole: Whole | None = None
 
     def __len__(self) -> int:
         return len(self.x)
+
+    @property
+    def n(self) -> int:
+        """Number of points that the likelihood has: all, where these are a sample."""
+        return len(self) if self.whole is None else self.whole.n
+
+    @property
+    def distinct(self) -> int:
+        """Values of the regressor that differ; no more than 64 are counted of a whole."""
+        return distinct_values(self.x) if self.whole is None else self.whole.distinct
+
+    @property
+    def middle(self) -> float:
+        """Middle of the pixels, px."""
+        return (Domain.of(self.t) if self.whole is None else self.whole.readings).middle
+
+    @property
+    def alone(self) -> AxisData:
+        """These points as if they were all."""
+        return self if self.whole is None else replace(self, whole=None)
+
+    def sampled_from(self, whole: Whole) -> AxisData:
+        """Give these points as a sample of the whole, whose domain and span they take."""
+        span = self.size if self.size_known else span_of(whole.readings)
+        return replace(self, whole=whole, frame=(whole.domain,), size=span)
 
     @property
     def in_pixels(self) -> bool:
@@ -159,17 +189,17 @@ class AxisData:
                 f"{where}: {self.regressor} spans {2 * half:.3g} and the pixels {self.size:.3g}: "
                 f"coefficients of order {order} are beyond every double; use other units"
             )
-        values = distinct_values(self.x)
-        works = min(values, len(self)) - 1
+        values = self.distinct
+        works = min(values, self.n) - 1
         advice = (
             f"the highest order that works is {works}"
             if works >= 1
             else "no order works; add points"
         )
-        if len(self) < order + 1:
+        if self.n < order + 1:
             raise InputError(
                 f"{where}: order {order} has {order + 1} coefficients for "
-                f"{counted(len(self), 'point')}; {advice}"
+                f"{counted(self.n, 'point')}; {advice}"
             )
         if values < order + 1:
             raise InputError(
@@ -212,4 +242,9 @@ def generic_axis(x: Array, y: Array, sd: Array | None = None, source: str = "x a
 
 def pixel_span(t: Array) -> float:
     """Span of the pixels, px; 1 where they are all the same."""
-    return float(t.max() - t.min()) or 1.0
+    return span_of(Domain.of(t))
+
+
+def span_of(readings: Domain) -> float:
+    """Span of smallest to largest pixel, px; 1 where they are the same."""
+    return readings.upper - readings.lower or 1.0

@@ -1,26 +1,33 @@
-"""Predictions row by row, as files and data frames have them."""
+"""Answers row by row, as files and data frames have them."""
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.prediction.locate import SOURCES, Location
+from bayescal.prediction.pairs import Distances
 from bayescal.prediction.predict import Prediction
+from bayescal.prediction.target import QUANTITIES, TargetPose
+from bayescal.prediction.target import SOURCES as TARGET_SOURCES
+
+NO_SOLUTION = "nothing in the calibrated domain appears there"
+NO_DISTANCE = "an end has no solution, or several"
 
 
 def prediction_columns(found: Prediction) -> dict[str, Any]:
-    """Name the columns of a prediction, as files and data frames have them."""
-    out: dict[str, Any] = {}
-    for name, array in (
+    """Name the columns of a prediction."""
+    forms = (
         ("{}", found.mean),
         ("sd_{}", found.sd),
         ("between_sd_{}", found.between),
         ("new_sd_{}", found.new_sd),
         ("lower_{}", found.lower),
         ("upper_{}", found.upper),
-    ):
-        out |= {name.format(axis): array[:, i] for i, axis in enumerate("rc")}
-    out["note"] = remarks(found)
-    return out
+    )
+    return _spread(forms, ("r", "c")) | {"note": remarks(found)}
 
 
 def remarks(found: Prediction) -> list[str]:
@@ -35,3 +42,61 @@ def remarks(found: Prediction) -> list[str]:
             found.seen, found.outside, found.extrapolated, strict=True
         )
     ]
+
+
+def location_columns(found: Location) -> dict[str, Any]:
+    """Name the columns of points or directions."""
+    forms = (
+        ("{}", found.values),
+        ("sd_{}", found.sd),
+        ("linear_sd_{}", found.linear_sd),
+        ("lower_{}", found.lower),
+        ("upper_{}", found.upper),
+        *((f"{source}_sd_{{}}", found.parts[source]) for source in SOURCES),
+    )
+    flat = found.surface is not None
+    columns = _spread(forms, ("x", "y", "z") if flat else ("dx", "dy", "dz"))
+    if not flat:
+        columns["angle_sd"] = found.angle
+    return columns | {"note": location_remarks(found)}
+
+
+def location_remarks(found: Location) -> list[str]:
+    """Say of each pixel why it has no answer, or what stands against it."""
+    out = []
+    for i, ok in enumerate(found.found):
+        if ok:
+            words = ["extrapolated"] * bool(found.extrapolated[i])
+            words += ["linear propagation differs"] * bool(found.nonlinear[i])
+            out.append(", ".join(words))
+        elif found.count[i] > 1:
+            out.append(f"{found.count[i]} points of the calibrated domain appear there")
+        elif found.count[i] == 0:
+            out.append(NO_SOLUTION)
+        else:
+            out.append("the ray does not meet the surface in front of the camera")
+    return out
+
+
+def pair_columns(found: Distances) -> dict[str, Any]:
+    """Name the columns of distances."""
+    columns: dict[str, Any] = {"distance": found.values, "u": found.u, "k": found.k}
+    columns |= {"U": found.expanded, "linear_u": found.linear_u}
+    columns |= {f"u_{name}": found.parts[name] for name in SOURCES}
+    return columns | {"note": ["" if ok else NO_DISTANCE for ok in found.found]}
+
+
+def target_columns(found: TargetPose) -> dict[str, Any]:
+    """Name the columns of a pose: a row for each number of it, world units and rad."""
+    return {
+        "quantity": list(QUANTITIES),
+        "value": np.concatenate([found.position, found.rotation]),
+        "sd": found.sd,
+        "linear_sd": np.sqrt(np.diag(found.linear_covariance)),
+        **{f"{source}_sd": found.parts[source] for source in TARGET_SOURCES},
+    }
+
+
+def _spread(forms: tuple[tuple[str, Array], ...], names: tuple[str, ...]) -> dict[str, Any]:
+    """Give each array ``(n, len(names))`` a column for each of its own."""
+    return {form.format(name): array[:, i] for form, array in forms for i, name in enumerate(names)}

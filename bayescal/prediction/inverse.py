@@ -15,10 +15,9 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from bayescal.arrays import Array, IntArray
-from bayescal.polynomials.basis import legendre_design
-from bayescal.polynomials.plane import powers
 from bayescal.prediction.hull import within
 from bayescal.prediction.members import BoolArray, LensMember, Member, PolynomialMember
+from bayescal.prediction.slopes import with_slopes
 
 RESIDUAL = 1e-9  # px
 NEWTON, HALVINGS = 40, 80
@@ -178,7 +177,7 @@ def _newton(
     """Solve for scaled regressors ``(m, n, 2)`` by Newton's method; whether each was found."""
     at = np.array(start, dtype=np.float64)
     for _ in range(NEWTON):
-        value, slope = _with_slopes(member, theta, at)
+        value, slope = with_slopes(member, theta, at)
         miss = value - pixels
         det = slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -190,42 +189,10 @@ def _newton(
             break
     miss = np.abs(member.at_scaled(theta, at) - pixels).max(axis=-1)
     # The same branch: the mapping turns there as it does where the search began.
-    _, before = _with_slopes(member, theta, np.asarray(start))
-    _, after = _with_slopes(member, theta, at)
+    _, before = with_slopes(member, theta, np.asarray(start))
+    _, after = with_slopes(member, theta, at)
     return at, (miss < RESIDUAL) & (np.sign(_det(before)) == np.sign(_det(after)))
 
 
 def _det(slope: Array) -> Array:
     return np.asarray(slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0])
-
-
-def _with_slopes(member: PolynomialMember, theta: Array, scaled: Array) -> tuple[Array, Array]:
-    """Pixels ``(m, n, 2)`` and their derivatives by the scaled regressors, ``(m, n, 2, 2)``."""
-    value, slope = np.empty(scaled.shape), np.zeros((*scaled.shape, 2))
-    for axis, b in enumerate(member.amplitudes(theta)):
-        k = member.orders[axis]
-        own = legendre_design(scaled[..., axis], k)
-        turn = _derivative(k)
-        if not member.bivariate:
-            value[..., axis] = np.einsum("mnp,mp->mn", own, b)
-            slope[..., axis, axis] = np.einsum("mnp,mp->mn", own @ turn, b)
-            continue
-        other = legendre_design(scaled[..., 1 - axis], k)
-        i, j = np.array(powers(k)).T
-        value[..., axis] = np.einsum("mnp,mp->mn", own[..., i] * other[..., j], b)
-        by_own, by_other = (
-            (own @ turn)[..., i] * other[..., j],
-            own[..., i] * (other @ turn)[..., j],
-        )
-        slope[..., axis, axis] = np.einsum("mnp,mp->mn", by_own, b)
-        slope[..., axis, 1 - axis] = np.einsum("mnp,mp->mn", by_other, b)
-    return value, slope
-
-
-def _derivative(order: int) -> Array:
-    """Matrix that takes P_0 ... P_k to their derivatives, from the right, ``(k + 1, k + 1)``."""
-    out = np.zeros((order + 1, order + 1))
-    for k in range(1, order + 1):
-        slopes = legendre.legder(np.eye(order + 1)[k])
-        out[: len(slopes), k] = slopes
-    return out

@@ -9,7 +9,7 @@ of a depth or plane is one for all pixels.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -51,6 +51,28 @@ class Surface:
             raise InputError("a plane needs finite a, b, c, d, of which a, b, c are not all 0")
         if self.sd < 0:
             raise InputError(f"the depth's sd is {self.sd:g}: it can't be negative")
+
+
+def surface_of(
+    depth: float | None, depth_sd: float, plane: Sequence[float] | None
+) -> Surface | None:
+    """Make the surface of a depth z, or of a plane's a, b, c, d; None where neither is given.
+
+    Raises
+    ------
+    InputError
+        Where both are given, or a plane is none.
+    """
+    if depth is not None and plane is not None:
+        raise InputError("depth and plane both say where the points lie: keep one")
+    if depth is not None:
+        return Surface((0.0, 0.0, 1.0), depth, depth_sd)
+    if plane is None:
+        return None
+    if len(plane) != 4:
+        raise InputError(f"a plane needs a, b, c, d, not {len(plane)} numbers")
+    a, b, c, d = plane
+    return Surface((a, b, c), d)
 
 
 @dataclass(frozen=True, eq=False)

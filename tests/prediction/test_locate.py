@@ -185,3 +185,24 @@ def test_surfaces_that_are_none(cameras):
         distances(cameras["separable"], [[1, 2]], [[3, 4]], None)
     behind = locate(cameras["separable"], [[960.0, 540.0]], surface=Surface((0, 0, 1), -50.0))
     assert not behind.found.any()
+
+
+def test_data_frames_come_back_as_data_frames(cameras):
+    """Truth: the same rows as arrays."""
+    pandas = pytest.importorskip("pandas")
+    camera = cameras["separable"]
+    pixels = predict(camera, world_of("separable")).mean
+    frame = pandas.DataFrame(pixels, columns=["r", "c"], index=list("abc"))
+    found = bc.locate(camera, frame, depth=AT)
+    assert list(found.index) == list("abc")
+    np.testing.assert_array_equal(found["x"], bc.locate(camera, pixels, depth=AT).values[:, 0])
+    pairs = np.column_stack([pixels[:2], pixels[1:]])
+    frame = pandas.DataFrame(pairs, columns=["r1", "c1", "r2", "c2"])
+    apart = bc.distances(camera, frame, plane=(0, 0, 1, AT))
+    np.testing.assert_array_equal(apart["U"], bc.distances(camera, pairs, depth=AT).expanded)
+    with pytest.raises(InputError, match="no column 'c2'"):
+        bc.distances(camera, frame.drop(columns="c2"), depth=AT)
+    with pytest.raises(InputError, match="keep one"):
+        bc.locate(camera, pixels, depth=AT, plane=(0, 0, 1, AT))
+    with pytest.raises(InputError, match="needs a, b, c, d"):
+        bc.locate(camera, pixels, plane=(0, 0, 1))

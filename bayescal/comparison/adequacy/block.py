@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from bayescal.arrays import Array
@@ -27,7 +29,7 @@ def adequacy(
     noise: NoiseLevel,
     other: Array | None = None,
     depth: Array | None = None,
-    groups: tuple[str, ...] | None = None,
+    groups: Sequence[str] | None = None,
     draws: Array | None = None,
     rng: np.random.Generator | None = None,
 ) -> tuple[AdequacyTest, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,7 +51,7 @@ class GroupEffects:
 
 
 def numbered_groups(
-    groups: tuple[str, ...] | None, depth: Array | None
+    groups: Sequence[str] | None, depth: Array | None
 ) -> tuple[IntArray, str] | None:
     """Give each group a number: the column group, else points that share a plane z."""
     if groups is not None:
@@ -80,7 +81,7 @@ def group_effects(problem: Problem, group: IntArray) -> GroupEffects | None:
     u = u[:, size > max(NEW_DIRECTION, 1e-8)]
     e -= u @ (u.T @ e)
     rank = len(sizes) + u.shape[1] - problem.p
-    dof = problem.fit.dof - rank
+    dof = problem.dof - rank
     if rank <= 0 or dof <= 0:
         return None
     rss = float(e @ e)
@@ -107,7 +108,7 @@ def effective_points(group: IntArray, icc: float) -> float:
 
 
 def shared_errors(
-    problem: Problem, groups: tuple[str, ...] | None, depth: Array | None
+    problem: Problem, groups: Sequence[str] | None, depth: Array | None
 ) -> AdequacyTest:
     """F test of group means beside the polynomial, intraclass correlation, n_eff."""
     if problem.unusable:

@@ -33,7 +33,7 @@ def heteroscedasticity(problem: Problem, depth: Array | None, null: Array | None
     """
     if problem.unusable:
         return untested(NAME, problem.unusable)
-    if problem.fit.dof < 2:
+    if problem.dof < 2:
         return untested(NAME, "1 degree of freedom is too few")
     keep = problem.usable
     candidates = {
@@ -110,7 +110,7 @@ def _test(
         p = upper_tail(lagrange_multiplier(simulated, basis), value)
     else:
         p = float(chdtrc(dof, value))
-    sizes = np.sqrt(squares * problem.rss / problem.fit.dof) * problem.sd[problem.usable]
+    sizes = np.sqrt(squares * problem.rss / problem.dof) * problem.sd[problem.usable]
     upper = along > np.median(along)
     if not upper.any() or upper.all():
         upper = along >= np.median(along)

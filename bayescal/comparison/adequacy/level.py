@@ -30,7 +30,7 @@ def chi_squared(problem: Problem) -> AdequacyTest:
             name,
             "sigma is from the replicates, whose spread the residuals contain: lack of fit instead",
         )
-    dof = problem.fit.dof
+    dof = problem.dof
     if dof <= 0:
         return untested(name, problem.unusable or "no residual is left")
     chi2 = problem.rss / sigma**2

@@ -23,8 +23,8 @@ def normality(problem: Problem) -> AdequacyTest:
     if problem.unusable:
         return untested(NAME, problem.unusable)
     z = problem.studentised
-    if problem.fit.dof < FEWEST_DOF or len(z) < FEWEST_DOF:
-        return untested(NAME, f"{problem.fit.dof} degrees of freedom are too few")
+    if problem.dof < FEWEST_DOF or len(z) < FEWEST_DOF:
+        return untested(NAME, f"{problem.dof} degrees of freedom are too few")
     from scipy.stats import jarque_bera, shapiro  # half a second, for a defence alone
 
     if len(z) <= SHAPIRO_LIMIT:

@@ -73,13 +73,18 @@ class Problem:
 
     @property
     def n(self) -> int:
-        """Number of points."""
+        """Number of points whose residuals are looked at: of a sample where there are many."""
         return len(self.data)
 
     @property
     def p(self) -> int:
         """Number of coefficients."""
         return self.fit.order + 1
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom that the residuals of these points have."""
+        return self.n - self.p
 
     @property
     def unit(self) -> str:
@@ -132,7 +137,7 @@ class Problem:
     @property
     def unusable(self) -> str | None:
         """Why the residuals can't be tested, or None."""
-        if self.fit.dof <= 0:
+        if self.dof <= 0:
             return f"{self.p} coefficients fit {self.n} points exactly, no residual is left"
         if self.exact:
             return "the fit is exact, the residuals are rounding only"
@@ -152,7 +157,7 @@ class Problem:
     def studentised(self) -> Array:
         """Internally studentised residuals of the `usable` points (Cook & Weisberg 1982)."""
         keep = self.usable
-        scale = np.sqrt(self.rss / self.fit.dof * self.free[keep])
+        scale = np.sqrt(self.rss / self.dof * self.free[keep])
         return self.e[keep] / scale
 
     def extend(self, columns: Array) -> Extension:
@@ -166,7 +171,7 @@ class Problem:
         weighted = columns / self.sd[:, None]
         lengths = np.linalg.norm(weighted, axis=0)
         left = self.residual(weighted / np.where(lengths > 0, lengths, 1.0))
-        return extension(left, self.e, self.fit.dof, self.rounding)
+        return extension(left, self.e, self.dof, self.rounding)
 
 
 def extension(left: Array, e: Array, dof: int, rounding: float) -> Extension:

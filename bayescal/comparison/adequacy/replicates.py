@@ -64,7 +64,7 @@ def _test(problem: Problem, name: str, cells: IntArray, shared: str) -> Adequacy
     f = lack / extra / (spread.rss / spread.dof)
     p = float(fdtrc(extra, spread.dof, f))
     sigma = math.sqrt(spread.rss / spread.dof)
-    fitted = math.sqrt(problem.rss / problem.fit.dof)
+    fitted = math.sqrt(problem.rss / problem.dof)
     unit = problem.unit if problem.data.sd is None else "deviations"
     says = (
         f"order {problem.fit.order} misses more than noise, unless such points share errors"

@@ -214,7 +214,7 @@ def orders_beyond(
     factors : Factorisation or None
         At the highest of them; None where there is none.
     """
-    limit = min(distinct_values(data.x), len(data)) - 1
+    limit = min(data.distinct, data.n) - 1
     if rule.stated is not None and rule.name == "stated":
         limit = min(limit, len(rule.stated.mean) - 1)
     more = range(highest + 1, min(highest + BEYOND, limit) + 1)

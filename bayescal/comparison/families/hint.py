@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 from threadpoolctl import threadpool_limits
 
 from bayescal.comparison.axis import Axis
+from bayescal.comparison.criteria import criteria
 from bayescal.comparison.families.models import (
     free_model,
     gaussian_pinhole,
@@ -24,6 +25,7 @@ from bayescal.density.joint_data import JointData
 from bayescal.density.pinhole_proposal import ladder
 from bayescal.density.position_search import position_mode
 from bayescal.errors import InputError
+from bayescal.linear.closed_form import exact_posterior
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 
@@ -42,14 +44,17 @@ def family_hint(points: Correspondences, result: Comparison, settings: Settings)
     if any(c.log_evidence is None or c.criteria.bic is None for c in chosen):
         return None
     r, c = (
-        Axis(a.data, a.noise, a.noise_source, a.prior, result.family, a.orders[-1].order)
+        Axis(a.data.alone, a.noise, a.noise_source, a.prior, result.family, a.orders[-1].order)
         for a in (axes[name] for name in AXES)
     )
+    orders = chosen[0].order, chosen[1].order
     stated = Stated(
-        (chosen[0].order, chosen[1].order),
+        orders,
         sum(c.log_evidence or 0.0 for c in chosen),
         sum(c.criteria.bic or 0.0 for c in chosen),
     )
+    if points.drawn_from is not None:
+        stated = _of_sample((r, c), orders)
     return decisively_better(points, (r, c), stated, settings)
 
 
@@ -60,6 +65,16 @@ class Stated:
     orders: tuple[int, int]
     log_evidence: float
     bic: float
+
+
+def _of_sample(axes: tuple[Axis, Axis], orders: tuple[int, int]) -> Stated:
+    """Evidence and BIC of the recommended orders on a sample, as its rivals have them."""
+    evidence, bic = 0.0, 0.0
+    for axis, order in zip(axes, orders, strict=True):
+        evidence += exact_posterior(axis.linear(order)).log_integral
+        found = criteria(axis.fit(order), axis.noise, axis.factors.n, axis.factors.log_sd)
+        bic += found.bic or 0.0
+    return Stated(orders, evidence, bic)
 
 
 def decisively_better(

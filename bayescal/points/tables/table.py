@@ -87,6 +87,18 @@ def number(name: str, row: Row, column: str) -> float:
         value = float("not a number" if "_" in text else text)
     except ValueError:
         raise InputError(f"{where}: {quoted(text)} where a number should be; mend it") from None
+    check_number(where, column, value)
+    return value
+
+
+def check_number(where: str, column: str, value: float) -> None:
+    """Refuse what no such column can hold.
+
+    Parameters
+    ----------
+    where : str
+        Source, line and column, for the message.
+    """
     if not math.isfinite(value):
         raise InputError(f"{where}: is {value:g}; every point needs finite numbers")
     if column in WORLD_SIGMAS and value < 0:
@@ -100,4 +112,3 @@ def number(name: str, row: Row, column: str) -> float:
         raise InputError(f"{where}: is {value:g}; no pixel is that far out; mend it")
     if abs(value) >= LARGEST:
         raise InputError(f"{where}: is {value:g}, too large; use other units")
-    return value

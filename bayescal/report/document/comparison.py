@@ -85,7 +85,7 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
     verdict, domain = axis.verdict, axis.data.domain
     return {
         "regressor": axis.data.regressor,
-        "n": len(axis.data),
+        "n": axis.data.n,
         "domain": [domain.lower, domain.upper],
         "noise": _noise(axis),
         "prior": _prior(axis.prior, axis.orders[-1].order),

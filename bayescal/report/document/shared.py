@@ -63,7 +63,8 @@ def points_facts(points: Correspondences) -> dict[str, Any]:
     return {
         "source": points.source,
         "sha256": points.sha256,
-        "n_points": len(points),
+        "n_points": points.n,
+        **({} if points.drawn_from is None else {"n_held": len(points)}),
         "image": {"width_px": setup.width, "height_px": setup.height},
         "camera_position": list(setup.position),
         "c_from_bottom": setup.c_from_bottom,

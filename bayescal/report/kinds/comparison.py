@@ -18,6 +18,7 @@ from bayescal.report.document.comparison import SCHEMA, comparison_document
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import described
 from bayescal.report.run.kind import RunKind
+from bayescal.report.run.reduction import REDUCTION, reduction_bytes
 from bayescal.report.run.shape import NUMBER, Each, Same
 from bayescal.report.views.comparison import VIEWS
 from bayescal.version import __version__
@@ -84,6 +85,12 @@ class ComparisonKind(RunKind[Comparison]):
                 kept[found.key.file(result.settings.noise)] = draws
         return kept
 
+    def files(self, result: Comparison) -> dict[str, bytes]:
+        """Give the reduction of many points too."""
+        whole = {name: axis.data.whole for name, axis in result.axes.items() if axis.data.whole}
+        found = super().files(result)
+        return {**found, REDUCTION: reduction_bytes(whole)} if whole else found
+
     def pictures(self, folder: Path, result: Comparison) -> None:
         """Draw each axis's corner plot."""
         from bayescal.report.figures.registry import KINDS
@@ -105,7 +112,7 @@ class ComparisonKind(RunKind[Comparison]):
         from bayescal.report.run.store import StoredDraws
 
         store = StoredDraws(run, settings.noise)
-        found = analyse_points(run.points(), orders, settings, None, store)
+        found = analyse_points(run.points(), orders, settings, None, store, run.whole())
         return found.with_hint(run.document.get("families", {}).get("hint"))
 
 

@@ -18,8 +18,10 @@ from bayescal.points.reader import load
 from bayescal.points.tables.text import reason
 from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
+from bayescal.polynomials.whole import Whole
 from bayescal.report.document.shared import versions
 from bayescal.report.run.folder import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, VIEWS, digest
+from bayescal.report.run.reduction import REDUCTION, parse_reduction
 from bayescal.report.run.shape import misshapen
 from bayescal.version import __version__
 
@@ -134,7 +136,9 @@ class RunFiles:
         """Read the points, which name the source they once came from."""
         for name in (POINTS, SETUP):
             self.content(name)
-        return self._named(load(self.folder / POINTS, self.folder / SETUP))
+        read = self._named(load(self.folder / POINTS, self.folder / SETUP))
+        of = self.document["data"]["n_points"] if REDUCTION in self.manifest["files"] else None
+        return dataclasses.replace(read, drawn_from=of)
 
     def views(self) -> Views:
         """Read the views, which name the source they once came from."""
@@ -160,6 +164,17 @@ class RunFiles:
             lines=None if lines is None else tuple(lines),
             notes=tuple(notes),
         )
+
+    def whole(self) -> dict[str, Whole] | None:
+        """Read the reduction of many points; None where the run holds them all."""
+        if REDUCTION not in self.manifest["files"]:
+            return None
+        raw = self.content(REDUCTION)
+        try:
+            return parse_reduction(raw)
+        except (ValueError, KeyError, TypeError, OSError) as error:
+            where = self.folder / REDUCTION
+            raise InputError(f"{where}: is damaged: {error}; {self.again}") from None
 
     def keeps_draws(self, name: str) -> bool:
         """Whether draws of a name were written."""

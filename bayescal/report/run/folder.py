@@ -3,6 +3,7 @@
 ``result.json``       the result document (what marks a folder as a run)
 ``run.json``          the format's number, who wrote it, the hash of every file below and above
 ``points.csv``        the points, every digit of them
+``reduction.npz``     of many points, of which points.csv holds a sample: their factorisation
 ``setup.toml``        what is known of the camera
 ``views.csv``         views of a target, in place of points and setup
 ``lenses.npz``        fits, evidences and views left out of lenses over many views
@@ -24,6 +25,7 @@ from bayescal.files import RESULT, FolderKind
 from bayescal.inference.arviz_bridge import Draws, write_netcdf
 from bayescal.report.run.camera import CAMERA
 from bayescal.report.run.camera import MANIFEST as MANIFEST
+from bayescal.report.run.reduction import REDUCTION
 from bayescal.version import __version__
 
 # Rises when an older version could no longer read what a newer one writes.
@@ -31,7 +33,9 @@ FORMAT = 1
 POINTS, SETUP, VIEWS, LENSES = "points.csv", "setup.toml", "views.csv", "lenses.npz"
 DRAWS = "draws"
 RUN = FolderKind(
-    "run", RESULT, (MANIFEST, POINTS, SETUP, VIEWS, LENSES, CAMERA, DRAWS, "corner-*.png")
+    "run",
+    RESULT,
+    (MANIFEST, POINTS, REDUCTION, SETUP, VIEWS, LENSES, CAMERA, DRAWS, "corner-*.png"),
 )
 
 

@@ -20,6 +20,7 @@ from bayescal.report.views.orders import (
     verdict,
 )
 from bayescal.report.views.views import Views, axis_title
+from bayescal.rounding import grouped
 
 # A topic is one module in orders/ and one line here.
 TOPICS = (
@@ -104,7 +105,7 @@ def about(comparison: Comparison) -> list[str]:
             "?" if s is None else f"{s:g}" for s in (points.setup.width, points.setup.height)
         )
         end = "bottom (c = height - row)" if points.setup.c_from_bottom else "top"
-        lines.append(f"{len(points)} points from {points.source}, {comparison.family} family")
+        lines.append(f"{grouped(points.n)} points from {points.source}, {comparison.family} family")
         lines.append(f"camera at ({x:g}, {y:g}, {z:g}), image {size} px, c counted from the {end}")
     return lines + [f"note: {note}" for note in comparison.notes]
 

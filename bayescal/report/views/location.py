@@ -1,14 +1,13 @@
-"""What pixels look at, and distances between them, as tables and files of rows."""
+"""What pixels look at, and distances between them, as tables."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.columns import NO_DISTANCE, NO_SOLUTION, location_remarks
 from bayescal.prediction.locate import SOURCES, Location, Surface
 from bayescal.prediction.members import BoolArray
 from bayescal.prediction.pairs import Distances
@@ -16,46 +15,6 @@ from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, Column, Table
 from bayescal.report.views.prediction import SHOWN, clipped, models_words
 from bayescal.rounding import counted, rounded, significant
-
-SCHEMA, PAIRS_SCHEMA = "bayescal-location-1", "bayescal-distances-1"
-NO_SOLUTION = "nothing in the calibrated domain appears there"
-
-
-def location_rows(table: PartialTable, found: Location) -> dict[str, Any]:
-    """Columns of the file: pixels, then points or directions."""
-    names = "xyz" if found.surface is not None else ("dx", "dy", "dz")
-    columns: dict[str, Any] = {"label": list(table.labels)}
-    columns |= {name: table.values[name] for name in "rc"}
-    for form, array in (
-        ("{}", found.values),
-        ("sd_{}", found.sd),
-        ("linear_sd_{}", found.linear_sd),
-        ("lower_{}", found.lower),
-        ("upper_{}", found.upper),
-        *((f"{source}_sd_{{}}", found.parts[source]) for source in SOURCES),
-    ):
-        columns |= {form.format(name): array[:, i] for i, name in enumerate(names)}
-    if found.surface is None:
-        columns["angle_sd"] = found.angle
-    columns["note"] = location_remarks(found)
-    return columns
-
-
-def location_remarks(found: Location) -> list[str]:
-    """Say of each pixel why it has no answer, or what stands against it."""
-    out = []
-    for i, ok in enumerate(found.found):
-        if ok:
-            words = ["extrapolated"] * bool(found.extrapolated[i])
-            words += ["linear propagation differs"] * bool(found.nonlinear[i])
-            out.append(", ".join(words))
-        elif found.count[i] > 1:
-            out.append(f"{found.count[i]} points of the calibrated domain appear there")
-        elif found.count[i] == 0:
-            out.append(NO_SOLUTION)
-        else:
-            out.append("the ray does not meet the surface in front of the camera")
-    return out
 
 
 def location_view(camera: CalibratedCamera, table: PartialTable, found: Location) -> Blocks:
@@ -142,17 +101,6 @@ def _shares(parts: dict[str, Array], usable: BoolArray) -> str:
     return ", ".join(f"{name} {100 * t / whole:.0f} %" for name, t in totals.items() if t)
 
 
-def pair_rows(table: PartialTable, found: Distances) -> dict[str, Any]:
-    """Columns of the file of distances."""
-    columns: dict[str, Any] = {"label": list(table.labels)}
-    columns |= {name: table.values[name] for name in ("r1", "c1", "r2", "c2")}
-    columns |= {"distance": found.values, "u": found.u, "k": found.k, "U": found.expanded}
-    columns |= {"linear_u": found.linear_u}
-    columns |= {f"u_{name}": found.parts[name] for name in SOURCES}
-    columns["note"] = ["" if ok else "an end has no solution, or several" for ok in found.found]
-    return columns
-
-
 def pair_view(
     camera: CalibratedCamera, table: PartialTable, found: Distances, surface: Surface
 ) -> Blocks:
@@ -162,7 +110,7 @@ def pair_view(
     for i in range(min(len(found), SHOWN)):
         label = Cell(clipped(table.labels[i]))
         if not found.found[i]:
-            words = Cell("an end has no solution, or several")
+            words = Cell(NO_DISTANCE)
             rows.append((label, *[Cell("")] * (len(heads) - 2), words))
             continue
         u = float(found.u[i])

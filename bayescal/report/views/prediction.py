@@ -1,75 +1,18 @@
-"""Predictions as a table, a document and a file of rows."""
+"""Predictions as a table."""
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-from collections.abc import Mapping, Sequence
-from typing import Any
-
-import numpy as np
+from collections.abc import Sequence
 
 from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.columns import prediction_columns
+from bayescal.prediction.columns import remarks
 from bayescal.prediction.predict import Prediction
 from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, Column, Table
 from bayescal.rounding import counted, rounded, significant
-from bayescal.version import __version__
 
 SHOWN = 30  # rows on a terminal
-SCHEMA = "bayescal-prediction-1"
-
-
-def prediction_rows(table: PartialTable, found: Prediction) -> dict[str, Any]:
-    """Columns of the file: what was asked, then what was found."""
-    asked = {name: table.values[name] for name in "xyz"}
-    return {"label": list(table.labels), **asked, **prediction_columns(found)}
-
-
-def rows_text(columns: Mapping[str, Any]) -> str:
-    """Rows as CSV: ten significant digits, and nothing where there is no number."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(columns)
-    for row in zip(*columns.values(), strict=True):
-        writer.writerow([value if isinstance(value, str) else _digits(value) for value in row])
-    return stream.getvalue()
-
-
-def rows_document(
-    schema: str, camera: CalibratedCamera, columns: Mapping[str, Any], command: str, **facts: Any
-) -> str:
-    """Rows as a JSON document, with the models they come from."""
-    members, weights = camera.used
-    rows = [
-        {name: _json(value) for name, value in zip(columns, row, strict=True)}
-        for row in zip(*columns.values(), strict=True)
-    ]
-    document = {
-        "schema": schema,
-        "provenance": {"bayescal": __version__, "command": command},
-        "models": [
-            {"name": m.name, "probability": p} for m, p in zip(members, weights, strict=True)
-        ],
-        "averaged": camera.averaged,
-        "covered": camera.covered,
-        **facts,
-        "rows": rows,
-    }
-    return json.dumps(document, indent=1, allow_nan=False) + "\n"
-
-
-def _json(value: Any) -> Any:
-    if isinstance(value, str):
-        return value
-    return float(value) if np.isfinite(value) else None
-
-
-def _digits(value: float) -> str:
-    return f"{value:.10g}" if np.isfinite(value) else ""
 
 
 def prediction_view(camera: CalibratedCamera, table: PartialTable, found: Prediction) -> Blocks:
@@ -83,13 +26,13 @@ def prediction_view(camera: CalibratedCamera, table: PartialTable, found: Predic
         *(Column(f"{a}, {percent}") for a in "rc"),
         Column(""),
     )
-    remarks = [_short(text) for text in prediction_columns(found)["note"]]
+    notes = [_short(text) for text in remarks(found)]
     rows = []
     for i in range(min(len(found), SHOWN)):
         mean, new = found.mean[i], found.new_sd[i]
         label = Cell(clipped(table.labels[i]))
         if not found.seen[i]:
-            rows.append((label, *[Cell("")] * 8, Cell(remarks[i])))
+            rows.append((label, *[Cell("")] * 8, Cell(notes[i])))
             continue
         rows.append(
             (
@@ -101,7 +44,7 @@ def prediction_view(camera: CalibratedCamera, table: PartialTable, found: Predic
                     Cell(f"{rounded(a, s)}..{rounded(b, s)}")
                     for a, b, s in zip(found.lower[i], found.upper[i], new, strict=True)
                 ),
-                Cell(remarks[i]),
+                Cell(notes[i]),
             )
         )
     shown = Table(columns, tuple(rows), spare=(columns[-3].head, columns[-2].head))

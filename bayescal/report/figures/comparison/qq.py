@@ -81,7 +81,7 @@ def _simulated(problem: Problem, kept: IntArray, rng: np.random.Generator) -> Ar
     for start in range(0, SIMULATIONS, step):
         e = rng.standard_normal((min(step, SIMULATIONS - start), n))
         e -= (e @ q) @ q.T
-        sigma = np.sqrt((e**2).sum(axis=1) / problem.fit.dof)
+        sigma = np.sqrt((e**2).sum(axis=1) / problem.dof)
         z = e[:, problem.usable] / (sigma[:, None] * free)
         sets[start : start + len(e)] = np.sort(z, axis=1)[:, kept]
     return sets
@@ -105,8 +105,8 @@ def _ranked(subject: Subject, found: ResidualPoints) -> tuple[IntArray, Array, A
     problem = found.problem
     if problem.unusable is not None:
         raise InputError(f"qq of {subject.title}: {problem.unusable}")
-    if problem.fit.dof < FEWEST_DOF:
-        raise InputError(f"qq of {subject.title}: {problem.fit.dof} degrees of freedom are too few")
+    if problem.dof < FEWEST_DOF:
+        raise InputError(f"qq of {subject.title}: {problem.dof} degrees of freedom are too few")
     n = len(problem.usable)
     kept = _shown(n)
     ranked = np.argsort(problem.studentised, kind="stable")[kept]

@@ -77,7 +77,7 @@ def _models(comparison: Comparison, axes: Axes) -> Iterable[str]:
     listed = ", ".join(map(str, orders[:-1])) + f" and {orders[-1]}" if orders[1:] else orders[0]
     what = "pixel coordinates" if comparison.points is not None else "values"
     yield (
-        f"The {what} of {len(first.data)} points were modelled by polynomials of "
+        f"The {what} of {first.data.n} points were modelled by polynomials of "
         f"order{'s' * (len(orders) > 1)} {listed}: {names}."
     )
     for axis in axes:

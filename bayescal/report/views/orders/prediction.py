@@ -59,9 +59,9 @@ def prediction_lines(axis: AxisComparison, defence: Defence) -> list[str]:
 
     lines = [EXACT_ELPD if axis.noise_model.name == GAUSSIAN.name else SAMPLED_ELPD]
     lines += _influential(axis, defence)
-    if len(axis.data) < SMALL_SAMPLE:
+    if axis.data.n < SMALL_SAMPLE:
         lines.append(
-            f"With {len(axis.data)} points the standard errors may be up to twice too small "
+            f"With {axis.data.n} points the standard errors may be up to twice too small "
             "(Sivula et al. 2020)."
         )
     if defence.group_source is not None:

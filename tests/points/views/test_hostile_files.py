@@ -23,7 +23,7 @@ from scipy.io import loadmat, savemat
 
 import bayescal as bc
 from bayescal.points.views.formats import archive, mat_contents
-from tests.points.test_view_formats import (
+from tests.helpers.view_files import (
     BOARD,
     IMAGES,
     OBJECTS,

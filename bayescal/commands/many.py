@@ -1,0 +1,31 @@
+"""Points of a command that reads many in chunks."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import dataclasses
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from bayescal.commands import options as shared
+
+if TYPE_CHECKING:
+    from bayescal.points.chunks.many import ManyPoints
+    from bayescal.points.correspondences import Correspondences
+
+
+@contextlib.contextmanager
+def many_or_few(options: argparse.Namespace) -> Iterator[Correspondences | ManyPoints]:
+    """Give points that are read in chunks where they are many, else as `points`."""
+    source, second = shared.files(options)
+    many = None
+    if source is not None and second is None and options.view is None:
+        from bayescal.points.chunks.many import many_points
+
+        many = many_points(source, options.columns)
+    if many is None:
+        yield shared.points(options)
+        return
+    with shared.Progress(options, many.found.about, "reading", "point") as progress:
+        yield shared.with_camera(dataclasses.replace(many, told=progress.more), options)

@@ -1,0 +1,300 @@
+r"""The pose of a known target in a new picture, with what the calibration leaves unknown in it.
+
+The pose is the least-squares one of the mean lens, as solvePnP's, averaged over the models where
+the camera is. Its covariance is had twice: by Monte Carlo (JCGM 101, 102), the pose solved anew
+for every draw of the posterior with new noise on the pixels, and linearly: with J the pixels'
+derivatives by the pose, A = (J'WJ)^-1 J'W carries the pixels' covariance to the pose, where a
+one-sd step of the calibration's parameters moves the pixels by d and so the pose by -A d.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.special import gammaincc
+
+from bayescal.arrays import Array, ArrayLike
+from bayescal.cameras.pose import rotation_vectors, rotations
+from bayescal.errors import InputError
+from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.members import BoolArray, LensMember, Member, Parameters
+from bayescal.prediction.placing import Placed, sensitivity, settle_poses, starts
+from bayescal.prediction.predict import checked
+
+FEWEST = 4
+SOURCES = ("noise", "coefficients", "models")
+QUANTITIES = ("x", "y", "z", "turn x", "turn y", "turn z")
+ODDS = 20.0  # a second pose less likely than one in so many is not told
+SAME = 1e-3  # rad and diagonals: poses closer than this are one
+FLAT = 1e-9  # of the target's extent: points on a line have no pose
+
+
+@dataclass(frozen=True, eq=False)
+class TargetPose:
+    """Where a target stands: X = R p + t takes its points p to the world of the camera.
+
+    That world is the camera's own frame (x right, y down, z forward) for a lens of many views.
+
+    Attributes
+    ----------
+    rotation : Array
+        Rotation vector of R, ``(3,)``, rad.
+    position : Array
+        t, the place of the target's origin, ``(3,)``, world units.
+    covariance : Array
+        Of t (world units), then of a turn about the world's fixed axes (rad), ``(6, 6)``, by Monte
+        Carlo: the order and axes of a ROS pose with covariance.
+    linear_covariance : Array
+        The same by linear propagation.
+    parts : dict of str to Array
+        Of the linear sds: noise, coefficients, models, ``(6,)`` each.
+    residuals : Array
+        Measured less predicted pixels, ``(n, 2)``, px, of the most probable model.
+    chi2 : float
+        Of those residuals, at the noise of the calibration or that stated.
+    extrapolated : ndarray of bool
+        Which points lie beyond what the camera was calibrated with, ``(n,)``.
+    second : TargetPose or None
+        A second pose that fits nearly as well, with its own covariance.
+    odds : float
+        Of the best pose against the second; infinite where there is none.
+    frame : str
+        ``"world"`` or ``"camera"``.
+    """
+
+    rotation: Array
+    position: Array
+    covariance: Array
+    linear_covariance: Array
+    parts: dict[str, Array]
+    residuals: Array
+    chi2: float
+    extrapolated: BoolArray
+    second: TargetPose | None
+    odds: float
+    frame: str
+
+    @property
+    def matrix(self) -> Array:
+        """R, ``(3, 3)``."""
+        return rotations(self.rotation)
+
+    @property
+    def sd(self) -> Array:
+        """Of t and of the turn, ``(6,)``, world units and rad."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    @property
+    def dof(self) -> int:
+        """Two numbers of every point, less six."""
+        return self.residuals.size - 6
+
+    @property
+    def rms(self) -> float:
+        """Root mean square distance of the pixels from the predicted ones, px."""
+        return math.sqrt((self.residuals**2).sum() / len(self.residuals))
+
+    @property
+    def p_value(self) -> float | None:
+        """Probability of so large a chi-squared; None of four points on a plane or fewer dof."""
+        return float(gammaincc(self.dof / 2, self.chi2 / 2)) if self.dof > 0 else None
+
+    def __repr__(self) -> str:
+        at = ", ".join(f"{v:.6g}" for v in self.position)
+        return f"<TargetPose: origin at ({at}) in the {self.frame}'s frame>"
+
+
+def locate_target(
+    camera: CalibratedCamera,
+    target: ArrayLike,
+    pixels: ArrayLike,
+    *,
+    average: bool | None = None,
+    sigma: float | None = None,
+    seed: int = 0,
+) -> TargetPose:
+    """Find the pose of a known target from one new picture of it.
+
+    Parameters
+    ----------
+    camera : CalibratedCamera
+    target : array_like
+        Points in the target's own frame, ``(n, 3)``, world units; at least four, not on a line.
+    pixels : array_like
+        Measured r, c of each as recorded, ``(n, 2)``, px.
+    average : bool, optional
+        As in `bayescal.camera`.
+    sigma : float, optional
+        Sd of these pixels, px; by default that of the calibration's noise.
+    seed : int, optional
+        Of the noise's draws.
+
+    Raises
+    ------
+    InputError
+        Where arrays have another shape or hold something else, the target has too few points, or
+        no pose puts all of them where the camera can see them.
+    """
+    points, measured = checked(target, 3, "target"), checked(pixels, 2, "pixels")
+    _check(points, measured, sigma)
+    camera = camera.average(average)
+    own = camera.recorded(measured)
+    members = [_in_own_frame(m) for m in camera.used[0]]
+    every = [_solutions(m, points, own, _scale(m, sigma)) for m in members]
+    best = [found[0] for found in every]
+    first = _pose(camera, members, best, points, own, sigma, seed)
+    others = [p for p in every[0][1:] if p.cost[0] - best[0].cost[0] < 2 * math.log(ODDS)]
+    if not others:
+        return first
+    near = [_nearest(found, others[0]) for found in every]
+    second = _pose(camera, members, near, points, own, sigma, seed)
+    odds = math.exp(min((others[0].cost[0] - best[0].cost[0]) / 2, 700.0))
+    return replace(first, second=second, odds=odds)
+
+
+def _check(points: Array, pixels: Array, sigma: float | None) -> None:
+    if len(points) != len(pixels):
+        raise InputError(f"{len(points)} points of the target have {len(pixels)} pixels")
+    if len(points) < FEWEST:
+        raise InputError(
+            f"a pose needs {FEWEST} points of the target at least: {len(points)} are given"
+        )
+    values = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    if values[1] <= FLAT * values[0]:
+        raise InputError("the target's points lie on a line: they have no pose")
+    if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
+        raise InputError(f"sigma must be above 0 px, not {sigma:g}")
+
+
+def _in_own_frame(member: Member) -> Member:
+    """Give a lens without a place the frame of its own axis, as solvePnP has it."""
+    if not isinstance(member, LensMember) or member.posed:
+        return member
+    kept, n = member.parameters, member.n_lens
+    own = Parameters(kept.mean[:n], kept.root[:n], kept.draws[:, :n], kept.exact)
+    return replace(member, turn=None, parameters=own)
+
+
+def _scale(member: Member, sigma: float | None) -> Array:
+    return member.noise.scale if sigma is None else np.array([sigma, sigma])
+
+
+def _solutions(member: Member, points: Array, pixels: Array, scale: Array) -> list[Placed]:
+    """Give the different poses where a search ends, the best first."""
+    start = starts(member, points, pixels)
+    if start is None:
+        raise InputError(
+            "fewer than four of the target's pixels look at something in the calibrated domain"
+        )
+    theta = np.repeat(member.parameters.mean[None], len(start.cost), axis=0)
+    found = settle_poses(member, theta, points, pixels[None], scale, start)
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    kept: list[Placed] = []
+    for i in np.argsort(found.cost):
+        one = found.only(int(i))
+        if np.isfinite(one.cost[0]) and all(_apart(one, other, size) > SAME for other in kept):
+            kept.append(one)
+    if not kept:
+        raise InputError("no pose puts all points of the target where the camera can see them")
+    return kept
+
+
+def _apart(one: Placed, other: Placed, size: float) -> float:
+    step = one.steps_from(other)[0]
+    return float(max(np.abs(step[:3]).max() / size, np.abs(step[3:]).max()))
+
+
+def _nearest(found: Sequence[Placed], to: Placed) -> Placed:
+    """Of a model's poses the one closest in turn to another model's."""
+    return min(found, key=lambda one: float(np.linalg.norm(one.steps_from(to)[0, 3:])))
+
+
+def _pose(
+    camera: CalibratedCamera,
+    members: Sequence[Member],
+    at: Sequence[Placed],
+    points: Array,
+    pixels: Array,
+    sigma: float | None,
+    seed: int,
+) -> TargetPose:
+    """Average the models' poses, with their covariance."""
+    weights = np.array(camera.used[1])
+    centres = np.stack([one.steps_from(at[0])[0] for one in at])
+    shift = weights @ centres
+    mean = Placed(
+        rotations(shift[None, 3:]) @ at[0].rotation, at[0].position + shift[:3], at[0].cost
+    )
+    covariance, linear = np.zeros((6, 6)), np.zeros((6, 6))
+    variances = {name: np.zeros(6) for name in SOURCES}
+    for i, (member, one, w) in enumerate(zip(members, at, weights, strict=True)):
+        noise, lens = _linear(member, one, points, _scale(member, sigma))
+        away = centres[i] - shift
+        between = np.outer(away, away)
+        for name, part in zip(SOURCES, (noise, lens, between), strict=True):
+            variances[name] += w * np.diag(part)
+        linear += w * (noise + lens + between)
+        rng = np.random.default_rng([seed, i, 2])
+        steps = _drawn(member, one, points, sigma, rng).steps_from(mean)
+        usable = np.isfinite(steps).all(axis=1)
+        covariance += w * (steps[usable].T @ steps[usable]) / max(usable.sum(), 1)
+    member, theta = members[0], members[0].parameters.mean[None]
+    world = points @ at[0].rotation[0].T + at[0].position[0]
+    predicted, _ = member.project(theta, world)
+    sign = np.array([1.0, -1.0 if camera.c_from_bottom else 1.0])
+    return TargetPose(
+        rotation_vectors(mean.rotation)[0],
+        mean.position[0],
+        covariance,
+        linear,
+        {name: np.sqrt(v) for name, v in variances.items()},
+        (pixels - predicted[0]) * sign,
+        float(at[0].cost[0]),
+        ~np.asarray(np.all([m.covered(world) for m in members], axis=0)),
+        None,
+        math.inf,
+        "world" if camera.posed else "camera",
+    )
+
+
+def _linear(member: Member, at: Placed, points: Array, scale: Array) -> tuple[Array, Array]:
+    """Covariance of the pose by the pixels' noise and by the calibration's, ``(6, 6)`` each."""
+    kept = member.parameters
+    zero = np.zeros((1, len(points), 2))
+    _, slope, _ = sensitivity(member, kept.mean[None], points, zero, scale, at)
+    carried = np.linalg.pinv(slope[0])
+    world = points @ at.rotation[0].T + at.position[0]
+    moved, _ = member.project(kept.steps, world)
+    d = (len(kept.steps) - 1) // 2
+    steps = (moved[1 : 1 + d] - moved[1 + d :]) / 2 / scale
+    lens = carried @ steps.reshape(d, -1).T
+    return carried @ carried.T, lens @ lens.T
+
+
+def _drawn(
+    member: Member,
+    at: Placed,
+    points: Array,
+    sigma: float | None,
+    rng: np.random.Generator,
+) -> Placed:
+    """Poses of every draw, its noise added to the pixels."""
+    draws, scale = member.parameters.draws, _scale(member, sigma)
+    m = len(draws)
+    if sigma is None:
+        noise = member.noise.draw(rng, len(points))
+    else:
+        noise = sigma * rng.standard_normal((m, len(points), 2))
+    # Noise about what is predicted: with the residuals it would count twice.
+    world = points @ at.rotation[0].T + at.position[0]
+    predicted, _ = member.project(member.parameters.mean[None], world)
+    start = Placed(
+        np.repeat(at.rotation, m, axis=0), np.repeat(at.position, m, axis=0), np.zeros(m)
+    )
+    found = settle_poses(member, draws, points, predicted + noise, scale, start)
+    lost = ~np.isfinite(found.cost)
+    found.position[lost] = np.nan
+    return found

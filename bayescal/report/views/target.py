@@ -1,0 +1,79 @@
+"""The pose of a known target, as a table."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from bayescal.points.partial import PartialTable
+from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.columns import target_columns
+from bayescal.prediction.locate import APART, MONTE_CARLO
+from bayescal.prediction.target import SOURCES, TargetPose
+from bayescal.report.blocks import Blocks, Listing, Tabled
+from bayescal.report.table import Cell, Column, Table
+from bayescal.report.views.prediction import models_words
+from bayescal.rounding import counted, rounded, significant
+
+UNLIKELY = 0.001  # a chi-squared so large by chance is told
+
+
+def target_view(camera: CalibratedCamera, table: PartialTable, found: TargetPose) -> Blocks:
+    """Show where the target stands, how sure that is and by what."""
+    sources = [name for name in SOURCES if found.parts[name].any()]
+    heads = ("", "value", "sd", "linear sd", *(f"sd by {name}" for name in sources))
+    columns = target_columns(found)
+    rows = []
+    for i, name in enumerate(columns["quantity"]):
+        angle = i >= 3
+        unit = np.degrees(1.0) if angle else 1.0
+        value, sd = unit * columns["value"][i], unit * columns["sd"][i]
+        spreads = (unit * columns[key][i] for key in ("linear_sd", *(f"{n}_sd" for n in sources)))
+        rows.append(
+            (
+                Cell(f"{name} [deg]" if angle else name),
+                Cell(rounded(value, sd)),
+                Cell(significant(sd)),
+                *(Cell(significant(s)) for s in spreads),
+            )
+        )
+    about = f"a target of {counted(len(table), 'point')}, {models_words(camera)}"
+    shown = Table(tuple(Column(h) for h in heads), tuple(rows))
+    caption = f"Pose of the target in the {found.frame}'s frame."
+    return (
+        Listing((about,), "about"),
+        Tabled("target", caption, shown, tuple(_lines(found))),
+    )
+
+
+def _lines(found: TargetPose) -> list[str]:
+    lines = [
+        "X = R p + t takes points p of the target to that frame: x, y, z are t, the turn is R's "
+        "rotation vector; its sd is that of a turn about the frame's fixed axes.",
+        "sd: by Monte Carlo over the posterior's draws and the pixels' noise (JCGM 101); its parts "
+        "and linear sd by linear propagation. --json has the covariance, in ROS's order.",
+    ]
+    linear = np.sqrt(np.diag(found.linear_covariance))
+    if (np.abs(found.sd - linear) > (APART + MONTE_CARLO) * found.sd).any():
+        lines.append("Linear propagation differs by more than the digits shown.")
+    text = f"Residuals: {significant(found.rms)} px root mean square"
+    if found.p_value is None:
+        lines.append(f"{text}.")
+    elif found.p_value < UNLIKELY:
+        lines.append(
+            f"{text}: chi-squared {found.chi2:.1f} at {found.dof} dof is far more than the noise "
+            "makes (p < 0.001). Another target, a wrong pixel, or noise above the calibration's: "
+            "state it by --sigma; until then the sds are too small."
+        )
+    else:
+        lines.append(f"{text}, chi-squared {found.chi2:.1f} at {found.dof} dof.")
+    if found.extrapolated.any():
+        beyond = counted(int(found.extrapolated.sum()), "point")
+        lines.append(f"{beyond} beyond where points were calibrated with (extrapolated).")
+    if found.second is not None:
+        turn = np.degrees(found.second.rotation)
+        words = ", ".join(f"{v:.4g}" for v in (*found.second.position, *turn))
+        lines.append(
+            f"A second pose fits nearly as well (odds {found.odds:.1f} to 1): {words}. A small or "
+            "distant flat target does not tell them apart; the sds hold for either alone."
+        )
+    return lines
