@@ -47,6 +47,7 @@ _EXPORTS = {
     "fit": "bayescal.api.axes",
     "fit_family": "bayescal.api.families",
     "fit_polynomial": "bayescal.api.polynomials",
+    "fleet": "bayescal.api.fleet",
     "least_squares": "bayescal.api.polynomials",
     "open_run": "bayescal.report.runs",
     "opencv_camera": "bayescal.report.opencv",
@@ -83,6 +84,7 @@ __all__ = [
     "fit_family",
     "fit_polynomial",
     "fitted_camera",
+    "fleet",
     "keep_camera",
     "least_squares",
     "load",
@@ -112,6 +114,7 @@ if TYPE_CHECKING:
     from bayescal.api.calibrate import calibrate
     from bayescal.api.camera import camera, distances, locate, locate_target, predict
     from bayescal.api.families import compare_families, fit_family
+    from bayescal.api.fleet import fleet
     from bayescal.api.outliers import outliers
     from bayescal.api.polynomials import compare_polynomials, fit_polynomial, least_squares
     from bayescal.errors import BayescalError, InputError

@@ -19,7 +19,7 @@ ROOMS = (
     *("version", "errors", "arrays", "rounding", "markup", "files"),
     *("points", "detection", "polynomials", "cameras", "prior", "noise"),
     *("linear", "inference", "density", "calibration", "comparison", "prediction", "simulation"),
-    *("report", "reproduction", "api", "__init__", "commands", "cli", "__main__"),
+    *("fleets", "report", "reproduction", "api", "__init__", "commands", "cli", "__main__"),
 )
 FILES = sorted(ROOT.rglob("*.py"))
 

@@ -26,27 +26,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     add_views(parser)
     model = parser.add_argument_group("model")
-    model.add_argument(
-        "--lens",
-        action="append",
-        metavar="NAME",
-        help="a lens to compare, such as 'radial 2', 'radial 2 + p', 'fisheye 3', opencv5, eucm; "
-        "may be given again (found: plain first, while the evidence rises)",
-    )
+    add_lenses(model)
     model.add_argument(
         "--sigma",
         type=shared.sigma,
         metavar="LEVEL",
         help="noise level, px, or inferred (inferred)",
-    )
-    model.add_argument(
-        "--independent",
-        action="store_true",
-        help="take noise as independent and the target as exact",
-    )
-    model.add_argument("--square-pixels", action="store_true", help="hold fx = fy")
-    model.add_argument(
-        "--centred", action="store_true", help="hold the principal point in the middle"
     )
     run = parser.add_argument_group("run")
     run.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
@@ -66,6 +51,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar=("FORMAT", "FILE"),
         help="write the most probable lens for another tool: opencv, ros, kalibr, mrcal or colmap; "
         "may be given again",
+    )
+
+
+def add_lenses(model: argparse._ArgumentGroup) -> None:
+    """Add which lenses are compared, and under which errors."""
+    model.add_argument(
+        "--lens",
+        action="append",
+        metavar="NAME",
+        help="a lens to compare, such as 'radial 2', 'radial 2 + p', 'fisheye 3', opencv5, eucm; "
+        "may be given again (found: plain first, while the evidence rises)",
+    )
+    model.add_argument(
+        "--independent",
+        action="store_true",
+        help="take noise as independent and the target as exact",
+    )
+    model.add_argument("--square-pixels", action="store_true", help="hold fx = fy")
+    model.add_argument(
+        "--centred", action="store_true", help="hold the principal point in the middle"
     )
 
 

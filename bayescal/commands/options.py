@@ -47,6 +47,11 @@ def add_points(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{name}", metavar="FILE", help=f"{what} where they stand in two files (no POINTS)"
         )
+    add_setup(parser)
+
+
+def add_setup(parser: argparse.ArgumentParser) -> None:
+    """Add what is known of the camera."""
     camera = parser.add_argument_group("camera")
     camera.add_argument("--setup", metavar="FILE.toml", help="camera position, image size, priors")
     camera.add_argument(

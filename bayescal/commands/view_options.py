@@ -20,19 +20,24 @@ def add_views(parser: argparse.ArgumentParser) -> None:
         "chessboard, 13 views",
     )
     given = parser.add_argument_group("views")
+    add_board(given)
+    given.add_argument(
+        "--columns", metavar="view=a,x=b,...", help="names or numbers of a table's columns"
+    )
+    given.add_argument("--setup", metavar="FILE.toml", help="a setup that states the image size")
+    given.add_argument("--image-width", type=float, metavar="PX", help="image width, px")
+    given.add_argument("--image-height", type=float, metavar="PX", help="image height, px")
+
+
+def add_board(given: argparse._ArgumentGroup) -> None:
+    """Add the target of files that hold pixels alone, and which views are kept."""
     given.add_argument(
         "--board",
         metavar="9x6",
         help="points along x and y, for files of pixels alone; or the .dsc of .orpc files",
     )
     given.add_argument("--square", type=float, metavar="SIDE", help="distance of its points (1)")
-    given.add_argument(
-        "--columns", metavar="view=a,x=b,...", help="names or numbers of a table's columns"
-    )
     given.add_argument("--only", metavar="PATTERN", help="keep the views so called: '*cam0*'")
-    given.add_argument("--setup", metavar="FILE.toml", help="a setup that states the image size")
-    given.add_argument("--image-width", type=float, metavar="PX", help="image width, px")
-    given.add_argument("--image-height", type=float, metavar="PX", help="image height, px")
 
 
 def views(options: argparse.Namespace) -> Views:

@@ -13,6 +13,7 @@ import numpy as np
 from bayescal.detection.opencv import GreyImage, decoded, is_turned, opencv
 from bayescal.detection.pattern import Pattern, Sighting
 from bayescal.errors import InputError
+from bayescal.points.paths import named_paths, short_names
 from bayescal.points.tables.text import reason
 from bayescal.points.views.views import Views
 from bayescal.rounding import counted
@@ -101,7 +102,7 @@ def detect(
     paths = image_paths([images] if isinstance(images, str | Path) else images)
     pattern.target()  # complains of a board that can't be, before any work
     found = []
-    for path, name in zip(paths, _names(paths), strict=True):
+    for path, name in zip(paths, short_names(paths), strict=True):
         progress(name)
         found.append(_look(path, name, pattern))
     photographs = _of_one_size(found)
@@ -119,34 +120,8 @@ def detect(
 
 
 def image_paths(given: Iterable[str | Path]) -> list[Path]:
-    """Files that names and patterns of names mean, each once, patterns in order of name.
-
-    Raises
-    ------
-    InputError
-        Where one means none.
-    """
-    found: dict[Path, None] = {}
-    for one in given:
-        path = Path(one)
-        try:
-            inside = Path(path.anchor).glob(str(path.relative_to(path.anchor)))
-            files = [path] if path.is_file() else sorted(p for p in inside if p.is_file())
-        except (OSError, ValueError, NotImplementedError) as error:
-            raise InputError(f"{one}: {reason(error)}; name photographs") from None
-        if not files:
-            where = ": is a folder; name its images" if path.is_dir() else ": there is no such file"
-            raise InputError(f"{one}{where}, such as 'images/*.jpg'")
-        found.update(dict.fromkeys(files))
-    if not found:
-        raise InputError("there are no photographs; name them, such as 'images/*.jpg'")
-    return list(found)
-
-
-def _names(paths: Sequence[Path]) -> list[str]:
-    """Names of the views: of the files, or with their folders where that is not enough."""
-    names = [path.name for path in paths]
-    return names if len(set(names)) == len(names) else [str(path) for path in paths]
+    """Photographs that names and patterns of names mean; as `named_paths`."""
+    return named_paths(given, "photographs", "images/*.jpg")
 
 
 def _look(path: Path, name: str, pattern: Pattern) -> Photograph:

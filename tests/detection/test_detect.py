@@ -100,7 +100,7 @@ def test_names_of_photographs(folder: Path, tmp_path: Path, monkeypatch) -> None
     assert image_paths([tmp_path / "[a].png"]) == [tmp_path / "[a].png"]
     for name, message in (
         ("nothing*.png", "no such file"),
-        (folder, "is a folder; name its images"),
+        (folder, "is a folder; name its files"),
         ("\0", "name photographs|no such file"),
     ):
         with pytest.raises(bc.InputError, match=message):

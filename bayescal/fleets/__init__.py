@@ -1,0 +1,1 @@
+"""Many cameras: which there are, how they are spread over processes, which of them are odd."""

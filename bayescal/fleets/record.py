@@ -1,0 +1,170 @@
+"""What a fleet keeps of each camera: small enough for many, and the same on any machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from bayescal.comparison.lenses.results import LensComparison
+from bayescal.comparison.results import AxisComparison, Comparison
+
+LENS = "lens"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A parameter with its standard deviation; None where it is not known."""
+
+    value: float
+    sd: float | None
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What was chosen among several models.
+
+    Attributes
+    ----------
+    of : str
+        ``"r"``, ``"c"`` or ``"lens"``.
+    model : str
+        The recommended order or lens.
+    outcome : str or None
+        Of the verdict, in a word; None where there is no evidence.
+    plausible : tuple of str
+        Models that can't be excluded at 95 %.
+    probability : dict of str to float
+        Of every model; empty where there is no evidence.
+    sigma : Estimate
+        Spread of the residuals of the recommended model, px.
+    parameters : dict of str to dict of str to Estimate
+        Of every model, by name.
+    """
+
+    of: str
+    model: str
+    outcome: str | None
+    plausible: tuple[str, ...]
+    probability: dict[str, float]
+    sigma: Estimate
+    parameters: dict[str, dict[str, Estimate]]
+
+
+@dataclass(frozen=True)
+class Record:
+    """What is kept of a camera that was judged.
+
+    Attributes
+    ----------
+    n_points : int
+    seed : int
+        Of its random numbers.
+    sound : bool
+        Whether draws converged and evidences can be trusted.
+    choices : tuple of Choice
+    """
+
+    n_points: int
+    seed: int
+    sound: bool
+    choices: tuple[Choice, ...]
+
+    @classmethod
+    def of_orders(cls, found: Comparison) -> Record:
+        """Keep what a comparison of orders says."""
+        n = 0 if found.points is None else len(found.points)
+        return cls(n, found.seed, found.sound, tuple(map(_axis, found)))
+
+    @classmethod
+    def of_lenses(cls, found: LensComparison) -> Record:
+        """Keep what a comparison of lenses says."""
+        return cls(found.views.n_points, found.request.seed, found.sound, (_lens(found),))
+
+    def to_json(self) -> dict[str, Any]:
+        """Give JSON values."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, kept: Mapping[str, Any]) -> Record:
+        """Take up what `to_json` gave.
+
+        Raises
+        ------
+        KeyError, TypeError
+            Where it is something else.
+        """
+        choices = []
+        for choice in kept["choices"]:
+            parameters = {
+                model: {name: Estimate(**p) for name, p in own.items()}
+                for model, own in choice["parameters"].items()
+            }
+            sigma, plausible = Estimate(**choice["sigma"]), tuple(choice["plausible"])
+            given = {"sigma": sigma, "plausible": plausible, "parameters": parameters}
+            choices.append(Choice(**{**choice, **given}))
+        return cls(**{**kept, "choices": tuple(choices)})
+
+
+@dataclass(frozen=True)
+class Member:
+    """What became of a camera.
+
+    Attributes
+    ----------
+    name, file : str
+    record : Record or None
+    error : str
+        Why there is none.
+    """
+
+    name: str
+    file: str
+    record: Record | None
+    error: str = ""
+
+
+def _axis(axis: AxisComparison) -> Choice:
+    chosen, dof = axis.chosen, axis.chosen.fit.dof
+    sigma = math.sqrt(chosen.rss_px2 / dof) if dof > 0 else 0.0
+    return Choice(
+        axis.data.axis,
+        str(chosen.order),
+        axis.verdict.outcome,
+        tuple(map(str, axis.verdict.plausible)),
+        {str(r.order): r.probability for r in axis if r.probability is not None},
+        Estimate(sigma, sigma / math.sqrt(2 * dof) if dof > 0 else None),
+        {
+            str(r.order): {
+                p.name: Estimate(p.mean, p.sd)
+                for p in r.posterior.parameters
+                if p.name.startswith(f"{axis.data.symbol}_")
+            }
+            for r in axis
+        },
+    )
+
+
+def _lens(found: LensComparison) -> Choice:
+    """Keep lenses by least squares, with the posterior's standard deviations of the best."""
+    best, diagonal = found.best, found.setting.data.diagonal
+    sampled = {p.name: p for p in found.posterior.parameters}
+    parameters = {}
+    for lens in found.lenses:
+        values = lens.model.report(lens.fit.x, diagonal).tolist()
+        of_best = sampled if lens is best else {}
+        parameters[lens.key] = {
+            name: Estimate(value, of_best[name].sd if name in of_best else None)
+            for name, value in zip(lens.model.names, values, strict=True)
+        }
+    verdict = found.verdict
+    return Choice(
+        LENS,
+        best.key,
+        verdict.status,
+        verdict.plausible,
+        {lens.key: lens.probability for lens in found.lenses},
+        Estimate(best.rms / math.sqrt(2), None),
+        parameters,
+    )

@@ -1,0 +1,150 @@
+"""Fleets on a real cluster: the same whatever judges them, nothing lost, nothing twice."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+
+import pytest
+from distributed import Client
+from pyarrow import parquet
+
+import bayescal as bc
+from bayescal.api.fleet import judge
+from bayescal.fleets.journal import NAME, Journal
+from bayescal.fleets.judging import digest_of, seed_of
+from bayescal.fleets.record import Record
+from tests.fleets.conftest import OPTIONS
+from tests.helpers.command import here
+
+SETTINGS = {"judged by": "compare", "seed": 5, **OPTIONS}
+WORDS = ("--orders", "1", "--axis", "c", "--ess", "100", "--no-families")
+
+
+@pytest.fixture(scope="module")
+def alone(cameras):
+    """Truth: every camera judged in this process, one after the other."""
+    return {
+        name: judge(points, seed_of(digest_of(points), SETTINGS), SETTINGS)
+        for name, points in cameras.items()
+    }
+
+
+def test_a_cluster_says_what_one_process_says(cluster, cameras, alone, tmp_path):
+    again = {**cameras, "copy": cameras["camera 00"]}  # the same points are judged once
+    found = bc.fleet(again, folder=tmp_path, scheduler=cluster.address, seed=5, **OPTIONS)
+    assert found.records == {**alone, "copy": alone["camera 00"]}
+    assert found.sound
+    assert [member.name for member in found.members] == list(again)
+    lines = (tmp_path / NAME).read_text().splitlines()
+    assert len({json.loads(line)["key"] for line in lines}) == len(lines) == len(cameras)
+    assert {odd.camera for odd in found.odd} == {"camera 02", "camera 04"}
+    table = parquet.read_table(tmp_path / "cameras.parquet")
+    assert table.column("camera").to_pylist() == list(again)
+    assert json.loads(table.schema.metadata[b"bayescal.settings"]) == SETTINGS
+    frame = found.to_dataframe()
+    assert frame.loc["camera 02", "c_beta_1"] == alone["camera 02"].choices[0].parameters["1"][
+        "beta_1"
+    ].value  # fmt: skip
+
+
+def test_a_camera_is_what_compare_says(cameras, alone):
+    """The seed of a row gives its numbers."""
+    record = alone["camera 03"]
+    found = bc.compare(cameras["camera 03"], seed=record.seed, **OPTIONS)
+    assert Record.of_orders(found) == record
+    assert Record.from_json(json.loads(json.dumps(record.to_json()))) == record
+
+
+def test_a_journal_drops_what_a_crash_cut_short(alone, tmp_path):
+    journal = Journal(tmp_path)
+    for name, record in list(alone.items())[:2]:
+        journal.add(name, record)
+    whole = (tmp_path / NAME).read_bytes()
+    (tmp_path / NAME).write_bytes(whole[:-20])
+    journal = Journal(tmp_path)
+    assert dict.fromkeys(journal) == {"camera 00": None}
+    journal.add("camera 01", alone["camera 01"])
+    assert (tmp_path / NAME).read_bytes() == whole
+    (tmp_path / NAME).write_bytes(b"{}\n" + whole)
+    with pytest.raises(bc.InputError, match=r"judged.jsonl:1: is no record"):
+        Journal(tmp_path)
+
+
+def test_the_command(cluster, files, monkeypatch):
+    """One bad camera is named; again, it does only what is missing; new cameras are added."""
+    monkeypatch.chdir(files)
+    command = ["fleet", "cameras/*.csv", "--setup", "setup.toml", *WORDS, "--out", "out"]
+    first = here(*command, "--scheduler", cluster.address)
+    assert first.code == 3
+    assert first.err == "bayescal: 1 camera failed (exit code 3)\n"
+    assert "5 cameras: 4 judged, 0 odd, 1 failed" in first.out
+    assert "bad: cameras/bad.csv:2: has 4 fields" in first.out
+    assert "written: out/index.html, out/cameras.parquet" in first.out
+    assert max(map(len, first.out.splitlines())) <= 100
+    table = (files / "out" / "cameras.parquet").read_bytes()
+    # Nothing is missing: an address that leads nowhere is not asked.
+    again = here(*command, "--scheduler", "tcp://127.0.0.1:1")
+    assert "5 cameras: 4 judged (4 of them before), 0 odd, 1 failed" in again.out
+    assert (files / "out" / "cameras.parquet").read_bytes() == table
+    (files / "cameras" / "bad.csv").unlink()
+    page = (files / "out" / "index.html").read_text()
+    assert "camera 00" in page
+    third = here(*command, "--json", "-")
+    assert third.code == 0
+    assert json.loads(third.out)["data"]["n_cameras"] == 4
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--lens", "eucm"], "fleet: --lens is of views; add --calibrate"),
+        (["--calibrate", "--orders", "1"], "fleet: --orders is of points; drop it, or"),
+        (["--workers", "0"], "workers must be 1 or more, not 0"),
+        (["--workers", "1", "--scheduler", "tcp://a:1"], "workers belong to a scheduler"),
+        (["--seed", "-1"], "seed must not be negative"),
+        (["--scheduler", "nonsense://"], "scheduler nonsense://: can't be reached"),
+        (["--out", "cameras"], "cameras: exists and is not a fleet"),
+    ],
+)
+def test_bad_usage(files, monkeypatch, words, message):
+    monkeypatch.chdir(files)
+    found = here("fleet", "cameras/*.csv", "--out", "out", *words)
+    assert (found.code, found.out) == (2, "")
+    assert message in found.err
+    assert found.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("module", ["distributed", "pyarrow"])
+def test_without_what_it_needs(module, files, monkeypatch):
+    monkeypatch.setitem(sys.modules, module, None)
+    found = here("fleet", files / "cameras" / "*.csv", "--out", files / "out")
+    assert found.code == 2
+    assert found.err == f"bayescal: a fleet needs {module}; pip install 'bayescal[fleet]'\n"
+    assert not (files / "out").exists()
+
+
+def test_options_that_compare_does_not_have(cameras):
+    with pytest.raises(TypeError, match="compare has no option 'lenses' for a fleet"):
+        bc.fleet(cameras, lenses=["eucm"])
+
+
+def test_a_killed_workers_tasks_are_done_again(cluster, cameras, alone, tmp_path):
+    """Last, for it costs the cluster a worker. Nothing is lost, nothing is judged twice."""
+    told = []
+
+    def progress(name):
+        told.append(name)
+        if len(told) == 2:
+            cluster.workers[0].send_signal(signal.SIGKILL)
+            cluster.workers[0].wait()
+
+    found = bc.fleet(
+        cameras, folder=tmp_path, scheduler=cluster.address, seed=5, progress=progress, **OPTIONS
+    )
+    assert found.records == alone
+    assert sorted(told) == sorted(cameras)
+    assert len((tmp_path / NAME).read_text().splitlines()) == len(cameras)
+    with Client(cluster.address, set_as_default=False) as client:
+        assert len(client.scheduler_info()["workers"]) == 1
