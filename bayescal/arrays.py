@@ -16,6 +16,11 @@ Array: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.intp]
 ArrayLike: TypeAlias = Array | Sequence[float] | Sequence[Sequence[float]]
 
+# What reading a file of arrays raises where it is none, or says that it is too large.
+DAMAGE = (
+    *(ValueError, KeyError, TypeError, AttributeError),
+    *(OSError, EOFError, MemoryError, zipfile.BadZipFile),
+)
 LOG_2PI = math.log(2 * math.pi)
 
 
@@ -46,6 +51,6 @@ def from_npz(raw: bytes, name: str = "head") -> tuple[dict[str, Any], dict[str, 
         with np.load(io.BytesIO(raw), allow_pickle=False) as kept:
             arrays = {key: kept[key] for key in kept.files}
         head = json.loads(arrays.pop(name).tobytes())
-    except (ValueError, KeyError, TypeError, OSError, zipfile.BadZipFile) as error:
-        raise ValueError(" ".join(str(error).split())) from None
+    except DAMAGE as error:
+        raise ValueError(" ".join(str(error).split()) or "is cut off") from None
     return head, arrays

@@ -16,7 +16,7 @@ import bayescal
 
 ROOT = Path(bayescal.__file__).parent
 ROOMS = (
-    *("version", "errors", "arrays", "rounding", "markup", "files"),
+    *("version", "errors", "arrays", "rounding", "markup", "files", "encoding"),
     *("points", "detection", "polynomials", "cameras", "prior", "noise"),
     *("linear", "inference", "density", "calibration", "comparison", "prediction", "simulation"),
     *("fleets", "report", "reproduction", "api", "__init__", "commands", "cli", "__main__"),

@@ -96,7 +96,7 @@ def analyse_points(
             around = _Around(other, points.camera_frame(), groups, points.groups, odd)
             axes[name] = _compare(axis, wanted, around, settings, kept, progress)
     assumed = notes(points, axes.values())
-    return Comparison(axes, separable.NAME, points, settings, assumed)
+    return Comparison(axes, separable.NAME, points, settings, assumed, derived=kept.derived)
 
 
 def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) -> Comparison:
@@ -125,7 +125,11 @@ def _compare(
         reference = reference_sigma(axis.noise, axis.fit(axis.highest), replicates)
     candidates = [order_of(axis, k, shape, reference) for k in orders]
     results = judge_all(candidates, store, settings, partial(_tell, progress))
-    tests = _tests(axis, best_of(results), around, settings) if shape.name == GAUSSIAN.name else ()
+    tests = (
+        _tests(axis, best_of(results), around, store, settings)
+        if shape.name == GAUSSIAN.name
+        else ()
+    )
     case = Case(axis, results, shape, reference, tests, around.geometry)
     verdict = _verdict(case, settings)
     averaged = averaged_over(axis, results, verdict.order)
@@ -189,14 +193,15 @@ def _defended(
 
 
 def _tests(
-    axis: Axis, result: OrderResult, around: _Around, settings: Settings
+    axis: Axis, result: OrderResult, around: _Around, store: Store, settings: Settings
 ) -> tuple[AdequacyTest, ...]:
     """Test an order's residuals; a defence asks what its draws predict, too."""
     draws = None
     if settings.defend:
         drawn = result.posterior.chain.draws
         draws = drawn.reshape(-1, drawn.shape[2])
-    return adequacy(
+    find = partial(
+        adequacy,
         axis.data,
         axis.fit(result.order),
         axis.noise,
@@ -206,3 +211,5 @@ def _tests(
         draws,
         Key.of_axis(axis.data.axis, 0, GAUSSIAN.name).rng(settings.seed, 1),
     )
+    name = f"{axis.data.axis} adequacy{', defended' if settings.defend else ''}"
+    return store.once(name, tuple[AdequacyTest, ...], find)

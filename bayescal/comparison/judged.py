@@ -18,8 +18,8 @@ if TYPE_CHECKING:  # a hint, which samples nothing, does not pay for what is sam
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Judged:
-    """What evidence and draws say of a candidate.
+class Weighed:
+    """What the evidence of a candidate is.
 
     Attributes
     ----------
@@ -30,6 +30,30 @@ class Judged:
         Monte Carlo error, or the quadrature's, nat.
     warnings : tuple of str
         Why the evidence should not be trusted; empty where it can be.
+    """
+
+    key: Key
+    log_evidence: float | None
+    log_evidence_error: float | None
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def weighed(self) -> Weighed:
+        """The evidence alone, without draws."""
+        return Weighed(
+            key=self.key,
+            log_evidence=self.log_evidence,
+            log_evidence_error=self.log_evidence_error,
+            warnings=self.warnings,
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Judged(Weighed):
+    """What evidence and draws say of a candidate.
+
+    Attributes
+    ----------
     posterior : Posterior or None
         None of a model that was not sampled.
     loo : LeaveOneOut or None
@@ -38,10 +62,6 @@ class Judged:
         Posterior probability among those compared; None under a flat prior.
     """
 
-    key: Key
-    log_evidence: float | None
-    log_evidence_error: float | None
-    warnings: tuple[str, ...] = ()
     posterior: Posterior | None = None
     loo: LeaveOneOut | None = None
     probability: float | None = None

@@ -14,7 +14,7 @@ from bayescal.comparison.goodness import (
     ReferenceSigma,
     goodness_of_fit,
 )
-from bayescal.comparison.judged import Judged
+from bayescal.comparison.judged import Judged, Weighed
 from bayescal.comparison.key import Key
 from bayescal.comparison.order_result import OrderResult
 from bayescal.comparison.settings import Settings
@@ -95,10 +95,15 @@ class GaussianOrder(_Order):
         """The closed form."""
         return exact_posterior(self.model)
 
-    @cached_property
-    def loo(self) -> LeaveOneOut | None:
-        """Exact leave-one-out."""
-        return _left_out(self.axis, self.exact)
+    def left_out(self, store: Store, exact: ExactPosterior | None = None) -> LeaveOneOut | None:
+        """Leave each point out, exactly; once, whatever `exact` was computed before."""
+
+        def find() -> LeaveOneOut | None:
+            from bayescal.comparison.leave_one_out import leave_one_out
+
+            return leave_one_out(self.axis.data, exact or self.exact)
+
+        return store.leave_one_out(self.key, find, ", exact")
 
     def beside(self, store: Store, settings: Settings) -> Judged:  # noqa: ARG002
         """Say what the closed form says, beside what is compared: without any draws."""
@@ -113,14 +118,8 @@ class GaussianOrder(_Order):
             posterior,
             goodness_of_fit(self.fit, axis.fit(axis.highest), self.reference),
             criteria(self.fit, axis.noise, factors.n, factors.log_sd),
-            _left_out(axis, posterior.exact) if settings.defend else None,
+            self.left_out(store, posterior.exact) if settings.defend else None,
         )
-
-
-def _left_out(axis: Axis, exact: ExactPosterior) -> LeaveOneOut | None:
-    from bayescal.comparison.leave_one_out import leave_one_out
-
-    return leave_one_out(axis.data, exact)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,9 +151,18 @@ class RobustOrder(_Order):
         sample = partial(sample_model, self.model, rng, settings.ess, ladder=ladder)
         return store.posterior(self.key, self.model, sample, beside=beside)
 
-    def beside(self, store: Store, settings: Settings) -> Judged:
-        """Say what its draws say, beside what is compared."""
-        return self._judged(self.posterior(store, settings, beside=True), None)
+    def beside(self, store: Store, settings: Settings) -> Weighed:  # noqa: ARG002
+        """Say what its evidence is, beside what is compared: of weighted draws, where they fit."""
+        from bayescal.inference.sampled_posterior import evidence_of
+
+        rng, ladder = self.key.rng(settings.seed), self.model.ladder
+        found = evidence_of(self.model, rng, settings.ess, ladder)
+        return Weighed(
+            key=self.key,
+            log_evidence=found.log_evidence,
+            log_evidence_error=found.error,
+            warnings=found.warnings,
+        )
 
     def judge(self, store: Store, settings: Settings) -> OrderResult:
         """Say what its draws say."""

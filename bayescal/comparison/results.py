@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison import convert
@@ -149,6 +149,8 @@ class Comparison:
     origin : dict or None
         The provenance of the run that holds exactly this comparison, where it was read from
         one; None where it was computed just now.
+    derived : dict of str to Any
+        What else took long, by name: a run keeps it.
     hint : str or None
         That another family of models or a free camera position is decisively better.
     """
@@ -159,6 +161,7 @@ class Comparison:
     settings: Settings
     notes: tuple[str, ...]
     origin: dict[str, Any] | None = None
+    derived: dict[str, Any] = field(default_factory=dict, repr=False)
     hint: str | None = None
 
     def with_hint(self, hint: str | None) -> Comparison:

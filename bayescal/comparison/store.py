@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from bayescal.comparison.key import Key
 from bayescal.linear.model import LinearModel
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
-    from bayescal.comparison.defence.stability import Beyond
-    from bayescal.comparison.judged import Judged
     from bayescal.comparison.leave_one_out import LeaveOneOut
     from bayescal.inference.checked_posterior import CheckedPosterior
     from bayescal.inference.sampled_model import SampledModel
@@ -20,13 +18,28 @@ if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
     Kept = CheckedPosterior | SampledPosterior | WeightedDraws
 
 Draws = TypeVar("Draws", bound="Kept")
+Made = TypeVar("Made")
+# What takes long, by its name, type and how to have it.
+Once: TypeAlias = Callable[[str, Any, Callable[[], Any]], Any]
+
+
+def now(name: str, kind: Any, compute: Callable[[], Made]) -> Made:  # noqa: ARG001
+    """Have a value where there is no store."""
+    return compute()
 
 
 class Store:
-    """Posteriors by the keys of their models: computed now, or read from a run (`read`)."""
+    """Posteriors by the keys of their models: computed now, or read from a run (`read`).
+
+    Attributes
+    ----------
+    derived : dict of str to Any
+        What else took long, by name (`once`): a run keeps it.
+    """
 
     def __init__(self) -> None:
         self._kept: dict[Key, Kept] = {}
+        self.derived: dict[str, Any] = {}
 
     def posterior(
         self,
@@ -54,22 +67,33 @@ class Store:
         """Posterior that was kept of a model; None where it is to be computed."""
         return None
 
+    def once(self, name: str, kind: Any, compute: Callable[[], Made]) -> Made:
+        """Give what takes long and follows from the points alone: that of a run, else computed.
+
+        Parameters
+        ----------
+        name : str
+            Of the value, such as ``"r-order-4 leave-one-out"``.
+        kind : type
+            Of the value, as `bayescal.encoding` takes it.
+        """
+        if name not in self.derived:
+            known = self.known(name, kind)
+            self.derived[name] = compute() if known is None else known[0]
+        return cast("Made", self.derived[name])
+
+    def once_of(self, key: Key) -> Once:
+        """Give `once` for values of one model."""
+        return lambda name, kind, compute: self.once(f"{key.file()} {name}", kind, compute)
+
+    def known(self, name: str, kind: Any) -> tuple[Any] | None:  # noqa: ARG002
+        """Value that was kept under a name, alone in a tuple; None where it is to be computed."""
+        return None
+
     def leave_one_out(
-        self,
-        key: Key,  # noqa: ARG002
-        compute: Callable[[], LeaveOneOut | None],
+        self, key: Key, compute: Callable[[], LeaveOneOut | None], how: str = ""
     ) -> LeaveOneOut | None:
-        """Leave-one-out of a model from its draws: that of a run, else computed."""
-        return compute()
+        """Leave-one-out of a model, once."""
+        from bayescal.comparison.leave_one_out import LeaveOneOut
 
-    def wins(self, axis: str, unit: str) -> dict[int, float] | None:  # noqa: ARG002
-        """Share of an axis's resamples that each order won; None where not yet known."""
-        return None
-
-    def beyond(self, axis: str, highest: int) -> Beyond | None:  # noqa: ARG002
-        """Judge the orders of an axis above the `highest` compared; None where not yet known."""
-        return None
-
-    def noises(self, axis: str) -> tuple[Judged, ...] | None:  # noqa: ARG002
-        """Judge the recommended order under other noise; None where not yet known."""
-        return None
+        return self.once(f"{key.file()} leave-one-out{how}", LeaveOneOut | None, compute)

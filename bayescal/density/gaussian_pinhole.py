@@ -12,8 +12,8 @@ from bayescal.cameras.pinhole import POSE, PinholeGeometry
 from bayescal.density.joint_data import JointData
 from bayescal.density.pinhole import FRAME_TAU, PinholeModel
 from bayescal.density.pinhole_fit import PinholeFit
-from bayescal.density.pinhole_laplace import laplace, likely_start
-from bayescal.noise.gaussian import Gaussian
+from bayescal.density.pinhole_laplace import Normal, laplace, likely_start
+from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.prior.camera import PinholePrior
 from bayescal.prior.strength import Strength
 
@@ -29,11 +29,18 @@ class GaussianPinhole(PinholeModel):
     def of(
         cls, geometry: PinholeGeometry, prior: PinholePrior, data: JointData, fit: PinholeFit
     ) -> GaussianPinhole:
-        """Whiten about the most probable parameters at the prior's strength, or a middling one."""
+        """Whiten about the most probable parameters."""
+        frame = cls.frame_of(geometry, prior, data, fit)
+        return cls(geometry, prior, data, fit, frame, GAUSSIAN)
+
+    @staticmethod
+    def frame_of(
+        geometry: PinholeGeometry, prior: PinholePrior, data: JointData, fit: PinholeFit
+    ) -> Normal:
+        """Find the most probable parameters at the prior's strength, or at a middling one."""
         tau = prior.tau if prior.tau is not None else FRAME_TAU
         start = likely_start(geometry, prior, data, fit.free, tau)
-        frame = laplace(geometry, prior, data, start, tau)
-        return cls(geometry, prior, data, fit, frame, Gaussian())
+        return laplace(geometry, prior, data, start, tau)
 
     def without(self, point: int) -> GaussianPinhole:
         """Give the same model of the other points, its priors kept."""

@@ -38,6 +38,14 @@ NARROWEST = 1e-6  # precision of the widest direction at the largest tau; roundi
 
 
 @dataclass(frozen=True, eq=False)
+class Framed:
+    """Where a robust pinhole is whitened, and the fits its modes are looked for from."""
+
+    frame: Normal
+    fits: tuple[RobustFit, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class RobustPinhole(PinholeModel):
     """Sampled are geometry, sigma and shape of the noise of each axis, and tau.
 
@@ -61,6 +69,19 @@ class RobustPinhole(PinholeModel):
         noise: NoiseModel,
     ) -> RobustPinhole:
         """Find the robust fits, and whiten about the most probable one."""
+        found = cls.framed(geometry, prior, data, fit, noise)
+        return cls(geometry, prior, data, fit, found.frame, noise, found.fits)
+
+    @classmethod
+    def framed(
+        cls,
+        geometry: PinholeGeometry,
+        prior: PinholePrior,
+        data: JointData,
+        fit: PinholeFit,
+        noise: NoiseModel,
+    ) -> Framed:
+        """Find the robust fits, in the coordinates whitened about the most probable one."""
         frame = GaussianPinhole.of(geometry, prior, data, fit).frame
         at_zero = [
             RobustFit(np.zeros(geometry.dimension), np.log(0.7 * fit.sigma), np.stack([eta, eta]))
@@ -74,7 +95,7 @@ class RobustPinhole(PinholeModel):
         likely = np.argsort(-values[len(at_zero) :], kind="stable")[:FITS]
         kept = [*at_zero, *(found[i] for i in likely)]
         fits = tuple(replace(f, x=moved.whitened(frame.at(f.x))) for f in kept)
-        return replace(plain, frame=moved, fits=fits)
+        return Framed(moved, fits)
 
     def _weighed(self, fit: RobustFit) -> Normal:
         """Laplace approximation with each point weighed as a fit weighs it."""

@@ -60,6 +60,14 @@ class Ridge:
 
 
 @dataclass(frozen=True, eq=False)
+class Found:
+    """Where a robust fit finds the camera, ``(3,)``, world units, and the ridge of each axis."""
+
+    start: Array
+    ridges: tuple[Ridge, Ridge]
+
+
+@dataclass(frozen=True, eq=False)
 class RobustFreePosition:
     """Both axes at a camera position that is inferred, under any noise; a `SampledModel`.
 
@@ -93,9 +101,8 @@ class RobustFreePosition:
         prior: PositionPrior,
     ) -> RobustFreePosition:
         """Find where to start, and the weights that points have there."""
-        start, weighted = robust_position(moving, prior)
-        r, c = (_ridge(axis) for axis in weighted)
-        return cls(axes, moving, prior, frozen(start), (r, c))
+        found = robust_start(moving, prior)
+        return cls(axes, moving, prior, found.start, found.ridges)
 
     @property
     def dimension(self) -> int:
@@ -228,6 +235,13 @@ class RobustFreePosition:
             residuals = axis.t - np.einsum("mnp,mp->mn", design, amplitudes)
             out.append((residuals, np.concatenate([amplitudes, part[:, axis.size :]], axis=1)))
         return out
+
+
+def robust_start(axes: Sequence[MovingAxis], prior: PositionPrior) -> Found:
+    """Find the camera by a robust fit, and the weights that points have there."""
+    start, weighted = robust_position(axes, prior)
+    r, c = (_ridge(axis) for axis in weighted)
+    return Found(frozen(start), (r, c))
 
 
 def robust_position(

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.inference.chain import Chain
 from bayescal.inference.coordinates import Whitening
 from bayescal.inference.posterior import ParameterSummary, Summarised, summarise
 from bayescal.inference.proposal import LinearProposal, Proposal
-from bayescal.inference.sampling import Chain, sample
 from bayescal.inference.target import log_prob
 from bayescal.linear.closed_form import ExactPosterior, exact_posterior
 from bayescal.linear.model import LinearModel
@@ -107,6 +107,8 @@ def sample_posterior(
     proposal : Proposal, optional
         By default the closed form, interpolated.
     """
+    from bayescal.inference.sampling import sample
+
     exact = exact if exact is not None else exact_posterior(model)
     to_monomials = model.factors.monomials.lead(model.order).T
 

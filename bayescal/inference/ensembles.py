@@ -15,13 +15,13 @@ import numpy as np
 from emcee.moves import DEMove, Move
 
 from bayescal.arrays import Array
+from bayescal.inference.chain import Chain
 from bayescal.inference.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposal import Proposal
 from bayescal.inference.sampling import (
     BURN_IN,
     MAX_EXTENSIONS,
-    Chain,
     further_steps,
     judged,
     quiet_sampler,

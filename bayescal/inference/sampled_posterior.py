@@ -12,13 +12,17 @@ from scipy.special import softmax
 from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.inference.adaptation import Adapted, adapt, refine
+from bayescal.inference.chain import Chain
 from bayescal.inference.coordinates import Whitening
-from bayescal.inference.ensembles import sample_ensembles
-from bayescal.inference.estimate import NOTICEABLE, EvidenceEstimate, estimate_evidence
+from bayescal.inference.estimate import (
+    NOTICEABLE,
+    EvidenceEstimate,
+    estimate_evidence,
+    from_weights,
+)
 from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.posterior import Summarised, summarise
 from bayescal.inference.sampled_model import SampledModel
-from bayescal.inference.sampling import Chain
 from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import drawn
 
@@ -133,12 +137,7 @@ def sample_model(
     """
     for_proposal, for_first, for_second, for_refined, for_chosen = rng.spawn(5)
     if guess is None:
-        modes = find_modes(model.log_prob, model.starts())
-        if not modes:
-            raise InputError(
-                "the likelihood is zero wherever the model could start; check the units"
-            )
-        rungs = ladder(modes[0]) if ladder is not None else ()
+        modes, rungs = _found(model, ladder)
         adapted = adapt(model.log_prob, modes, for_proposal, rungs)
     else:
         proposal, modes, rungs = guess.proposal, guess.modes, ()
@@ -159,6 +158,35 @@ def sample_model(
     return replace(best, estimate=estimate)
 
 
+def evidence_of(
+    model: SampledModel,
+    rng: np.random.Generator,
+    ess: int,
+    ladder: Callable[[Mode], tuple[Mode, ...]] | None = None,
+) -> EvidenceEstimate:
+    """Estimate the evidence alone: by weighted draws, or where these fit badly, as `sample_model`.
+
+    Without chains, which take most of the time, no bridge checks the weights.
+    """
+    for_proposal, for_draws, for_model = rng.spawn(3)
+    modes, rungs = _found(model, ladder)
+    adapted = adapt(model.log_prob, modes, for_proposal, rungs)
+    found = from_weights(drawn(model, adapted.proposal, for_draws, EVIDENCE_DRAWS)[1])
+    if found.certain and found.effective_fraction >= FITTED:
+        return found
+    return sample_model(model, for_model, ess, ladder=ladder).estimate
+
+
+def _found(
+    model: SampledModel, ladder: Callable[[Mode], tuple[Mode, ...]] | None
+) -> tuple[tuple[Mode, ...], tuple[Mode, ...]]:
+    """Find the modes, the highest first, and normals to hold beside them."""
+    modes = find_modes(model.log_prob, model.starts())
+    if not modes:
+        raise InputError("the likelihood is zero wherever the model could start; check the units")
+    return modes, ladder(modes[0]) if ladder is not None else ()
+
+
 def _soundness(found: SampledPosterior) -> tuple[bool, bool, float]:
     return found.converged, found.estimate.certain, found.estimate.effective_fraction
 
@@ -172,6 +200,8 @@ def _attempt(
     evidence_draws: int,
 ) -> SampledPosterior:
     """Sample with one proposal, and estimate the evidence with it."""
+    from bayescal.inference.ensembles import sample_ensembles
+
     for_evidence, for_chains = rng.spawn(2)
 
     def finish(theta: Array, child: np.random.Generator) -> tuple[Array, Array]:

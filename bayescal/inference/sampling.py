@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import emcee
 import numpy as np
 from emcee.autocorr import auto_window
 
 from bayescal.arrays import Array
-from bayescal.inference.arviz_bridge import Diagnostics, autocovariance, diagnose
+from bayescal.inference.arviz_bridge import autocovariance, diagnose
+from bayescal.inference.chain import Chain
 from bayescal.inference.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposal import Proposal
@@ -23,38 +23,6 @@ BURN_IN = 6  # steps; the walkers start from the proposal, which is nearly the p
 RHAT_LIMIT = 1.01
 TAU_STEPS = 50  # autocorrelation times that a chain must be long (emcee's rule)
 MAX_EXTENSIONS = 6  # each at most doubles the steps
-
-
-@dataclass(frozen=True, eq=False)
-class Chain:
-    """Draws of emcee with their diagnostics.
-
-    Attributes
-    ----------
-    draws : Array
-        Reported parameters, ``(n_chains, n_draws, n_parameters)``; a walker of the
-        independence move is a chain.
-    theta : Array
-        Sampled parameters, of the same shape.
-    log_prob : Array
-        Log of likelihood times prior, ``(n_chains, n_draws)``.
-    diagnostics : tuple of Diagnostics
-        Per reported parameter.
-    acceptance : float
-        Mean acceptance fraction.
-    autocorrelation_time : float
-        The largest over the reported parameters, steps.
-    converged : bool
-        Whether the stopping rule was met.
-    """
-
-    draws: Array
-    theta: Array
-    log_prob: Array
-    diagnostics: tuple[Diagnostics, ...]
-    acceptance: float
-    autocorrelation_time: float
-    converged: bool
 
 
 def sample(

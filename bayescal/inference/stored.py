@@ -10,17 +10,18 @@ the other.
 from __future__ import annotations
 
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
 from bayescal.inference.arviz_bridge import Diagnostics, Draws
+from bayescal.inference.chain import Chain
 from bayescal.inference.checked_posterior import CheckedPosterior, posterior_of
-from bayescal.inference.estimate import EvidenceEstimate
+from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.optimum import Mode
 from bayescal.inference.posterior import Posterior, summarise
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import SampledPosterior
-from bayescal.inference.sampling import Chain
 from bayescal.inference.weighting import WeightedDraws
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.model import LinearModel
@@ -139,8 +140,7 @@ def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
     """
     chain = unpack(draws, model.names)
     try:
-        stated = draws.values["estimate"]
-        estimate = EvidenceEstimate(**{**stated, "warnings": tuple(stated["warnings"])})
+        estimate = estimate_from(draws.values["estimate"])
         modes = tuple(
             Mode(np.array(m["theta"]), m["value"], np.array(m["root"]))
             for m in draws.values["modes"]
@@ -149,6 +149,11 @@ def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
     except (KeyError, TypeError) as error:
         raise ValueError(f"lacks {error}") from None
     return SampledPosterior(chain, summarise(model.names, chain), model, full, estimate, modes)
+
+
+def estimate_from(kept: dict[str, Any]) -> EvidenceEstimate:
+    """Make an estimate of what ``dataclasses.asdict`` made of it; TypeError where it lacks some."""
+    return EvidenceEstimate(**{**kept, "warnings": tuple(kept["warnings"])})
 
 
 def pack_weighted(draws: WeightedDraws) -> Draws:
@@ -161,7 +166,7 @@ def pack_weighted(draws: WeightedDraws) -> Draws:
             "sample_stats": {"log_weights": draws.log_weights[None]},
         },
         {},
-        {"names": list(names)},
+        {"names": list(names), "estimate": asdict(draws.estimate)},
     )
 
 
@@ -187,4 +192,6 @@ def unpack_weighted(draws: Draws, model: SampledModel) -> WeightedDraws:
         raise ValueError(f"lacks {error}") from None
     if full.ndim != 2 or log_weights.shape != full.shape[:1]:
         raise ValueError("holds arrays that don't fit together")
-    return WeightedDraws(model, log_weights, full)
+    kept = draws.values.get("estimate")
+    estimate = from_weights(log_weights) if kept is None else estimate_from(kept)
+    return WeightedDraws(model, log_weights, full, estimate)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,16 +25,14 @@ class WeightedDraws:
         ln of likelihood times prior over the proposal's density, ``(n_draws,)``.
     full : Array
         Completed draws, picked with replacement, ``(n_draws, n_full)``.
+    estimate : EvidenceEstimate
+        Evidence by importance sampling alone.
     """
 
     model: SampledModel
     log_weights: Array
     full: Array
-
-    @cached_property
-    def estimate(self) -> EvidenceEstimate:
-        """Evidence by importance sampling alone."""
-        return from_weights(self.log_weights)
+    estimate: EvidenceEstimate
 
     @property
     def completed(self) -> Array:
@@ -75,7 +72,8 @@ def weigh(
     """
     theta, log_weights = drawn(model, proposal, rng, n)
     picked = theta[resampled(softmax(log_weights), n, rng)]
-    return WeightedDraws(model, log_weights, model.complete(picked, rng))
+    full = model.complete(picked, rng)
+    return WeightedDraws(model, log_weights, full, from_weights(log_weights))
 
 
 def resampled(weights: Array, n: int, rng: np.random.Generator) -> NDArray[np.intp]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.saved import camera_from, load_camera
+from bayescal.report.run.bounded import bounded
 from bayescal.report.run.camera import CAMERA, MANIFEST
 
 
@@ -28,7 +29,7 @@ def camera_at(place: str | Path) -> CalibratedCamera:
     file = path / CAMERA
     if not file.is_file():
         return _reopened(path)
-    raw = file.read_bytes()
+    raw = bounded(file, "make the run again")
     if (path / MANIFEST).exists() and hashlib.sha256(raw).hexdigest() != _expected(path):
         raise InputError(
             f"{file}: is not what was written there (its SHA-256 differs from the one in "
@@ -40,7 +41,7 @@ def camera_at(place: str | Path) -> CalibratedCamera:
 def _expected(folder: Path) -> str | None:
     """Hash of the camera as the run's manifest has it."""
     try:
-        return str(json.loads((folder / MANIFEST).read_bytes())["files"][CAMERA])
+        return str(json.loads(bounded(folder / MANIFEST, "make the run again"))["files"][CAMERA])
     except (OSError, ValueError, KeyError, TypeError):
         return None
 

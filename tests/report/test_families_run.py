@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.families import free, joint
+from bayescal.comparison.families import free, joint, models
 from bayescal.comparison.families.results import FamilyComparison
-from bayescal.inference.arviz_bridge import parse_netcdf, write_netcdf
+from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.camera import StatedCamera
 from bayescal.report.document.families import families_document
 from bayescal.report.document.shared import dumps, schema
@@ -34,7 +34,7 @@ def test_the_document_of_a_reopened_run_is_the_run_s_to_the_byte(families_run: P
 def test_saved_again_every_file_is_the_same(families_run: Path, tmp_path: Path) -> None:
     bc.save_run(bc.open_run(families_run), tmp_path / "again")
     files = [p.relative_to(families_run) for p in families_run.rglob("*") if p.is_file()]
-    assert len(files) == 5 + 6  # draws of pinholes, and of pairs at a free position
+    assert len(files) == 6 + 6  # draws of pinholes, and of pairs at a free position
     for name in files:
         assert (tmp_path / "again" / name).read_bytes() == (families_run / name).read_bytes()
 
@@ -51,26 +51,57 @@ def test_nothing_is_sampled_or_weighed(families_run: Path, monkeypatch: pytest.M
             bc.compare_families(bc.thesis(), ["separable"], orders, position=["free"], tau=0.05)
 
 
-def test_leave_one_out_is_kept_beside_the_draws(
+def test_what_took_long_is_read_and_else_computed_again(
     families_run: Path, copy: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """An older version kept none: there it is computed, to the same terms."""
-    for path in (copy / "draws").iterdir():
-        draws = parse_netcdf(path.read_bytes())
-        del draws.values["leave_one_out"]
-        write_netcdf(path, draws)
-        forge(copy, f"draws/{path.name}")
+    """A run without it, as of an older version, says the same; one with it searches for nothing."""
+    (copy / "derived.npz").unlink()
+    manifest = json.loads((copy / "run.json").read_text())
+    del manifest["files"]["derived.npz"]
+    (copy / "run.json").write_text(json.dumps(manifest))
     kept, computed = bc.open_run(families_run), bc.open_run(copy)
     for one, other in zip(kept.models, computed.models, strict=True):
         assert np.array_equal(one.loo.pointwise, other.loo.pointwise)
         assert (one.loo.refitted, one.loo.mcse) == (other.loo.refitted, other.loo.mcse)
+        assert np.array_equal(one.residuals, other.residuals)
+        assert np.array_equal(one.position, other.position)
+        if one.camera is not None:
+            assert np.array_equal(one.camera.frame.root, other.camera.frame.root)
 
     def refuse(*_: object, **__: object) -> None:
-        raise AssertionError("a point was left out")
+        raise AssertionError("something was searched for")
 
-    monkeypatch.setattr(joint, "sampled_leave_one_out", refuse)
-    bc.open_run(families_run)
-    with pytest.raises(AssertionError, match="a point was left out"):  # negative control
+    for module, name in (
+        (joint, "sampled_leave_one_out"),
+        (models, "fit_pinhole"),
+        (models, "best_position"),
+        (free, "position_mode"),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(module, name, refuse)
+            bc.open_run(families_run)
+            with pytest.raises(AssertionError, match="searched for"):  # negative control
+                bc.open_run(copy)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [("points.csv", ".0,", ".00,"), ("setup.toml", "[camera]", "# mine\n[camera]")],
+)
+def test_what_was_derived_from_other_points_is_not_believed(
+    name: str, old: str, new: str, copy: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Even where every hash was forged: it names the points, camera and settings it is of."""
+    path = copy / name
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new, 1))
+    forge(copy, name)
+
+    def noted(*_: object, **__: object) -> None:
+        raise AssertionError("fitted again")
+
+    monkeypatch.setattr(models, "fit_pinhole", noted)
+    with pytest.raises(AssertionError, match="fitted again"):
         bc.open_run(copy)
 
 

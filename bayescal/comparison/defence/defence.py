@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -22,7 +21,6 @@ from bayescal.comparison.defence.results import Defence
 from bayescal.comparison.defence.sensitivity import tau_sensitivity
 from bayescal.comparison.defence.stability import (
     Beyond,
-    Bootstrap,
     Removal,
     beyond,
     beyond_of,
@@ -40,7 +38,6 @@ from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.comparison.verdict import AxisVerdict
 from bayescal.linear.closed_form import ExactPosterior
-from bayescal.linear.model import LinearModel
 from bayescal.noise.model import NoiseModel
 from bayescal.points.groups import Groups
 
@@ -64,11 +61,14 @@ def defend(
 
     Under a flat prior, which recommends no order, only prediction is compared.
     """
-    exact = {r.order: r.exact for r in results if r.exact is not None}
-    if exact:
-        answers = _in_closed_form(axis, results, exact, verdict.order, groups, store, rng)
-    else:
-        answers = _from_draws(axis, noise, results, verdict.order, store, settings)
+
+    def find() -> Defence:
+        exact = {r.order: r.exact for r in results if r.exact is not None}
+        if exact:
+            return _in_closed_form(axis, results, exact, verdict.order, groups, rng)
+        return _from_draws(axis, noise, results, verdict.order, store, settings)
+
+    answers = store.once(f"{axis.data.axis} defence", Defence, find)
     if verdict.order is None:
         return answers
     by_order = {r.order: r for r in results}
@@ -87,16 +87,12 @@ def _in_closed_form(
     exact: Mapping[int, ExactPosterior],
     order: int | None,
     groups: Groups | None,
-    store: Store,
     rng: np.random.Generator,
 ) -> Defence:
     data, models = axis.data, {k: e.model for k, e in exact.items()}
     integrals = {k: e.log_integral for k, e in exact.items()}
     grouped = None if groups is None else without_groups(data, models, groups.members)
-    psis = {
-        r.order: store.leave_one_out(r.key, partial(_psis, axis, r, exact[r.order]))
-        for r in results
-    }
+    psis = {r.order: _psis(axis, r, exact[r.order]) for r in results}
     by_group = {k: _elpd(integrals[k] - left) for k, left in (grouped or {}).items()}
     prediction = predictions(data, results, psis, by_group)
     source = None if groups is None else groups.source
@@ -104,12 +100,12 @@ def _in_closed_form(
         return Defence(prediction, group_source=source)
     names, sizes = data.labels, [1] * len(data)
     without = {r.order: integrals[r.order] - r.loo.pointwise for r in results if r.loo is not None}
-    resampled = [_bootstrap(axis, models, None, store, rng)]
+    resampled = [bootstrap(data, models, rng)]
     groups_out: tuple[Removal, ...] = ()
     if groups is not None and grouped is not None:
         counts = groups.members.sum(axis=1).astype(int).tolist()
         groups_out = removals(groups.names, counts, grouped, order)
-        resampled.append(_bootstrap(axis, models, groups, store, rng))
+        resampled.append(bootstrap(data, models, rng, groups.members))
     return Defence(
         prediction,
         tau_sensitivity(models) if axis.rule.name == "field" else None,
@@ -131,18 +127,6 @@ def _psis(axis: Axis, result: OrderResult, exact: ExactPosterior) -> LeaveOneOut
 
 def _elpd(terms: Array) -> float | None:
     return None if np.isnan(terms).any() else float(terms.sum())
-
-
-def _bootstrap(
-    axis: Axis,
-    models: Mapping[int, LinearModel],
-    groups: Groups | None,
-    store: Store,
-    rng: np.random.Generator,
-) -> Bootstrap:
-    known = store.wins(axis.data.axis, "point" if groups is None else "group")
-    members = None if groups is None else groups.members
-    return bootstrap(axis.data, models, rng, members, known=known)
 
 
 def _from_draws(
@@ -171,10 +155,7 @@ def _from_draws(
 def _beyond(
     axis: Axis, noise: NoiseModel, evidence: dict[int, float], store: Store, settings: Settings
 ) -> Beyond:
-    """Sample up to three orders above the compared range, unless they are known."""
-    known = store.beyond(axis.data.axis, max(evidence))
-    if known is not None:
-        return known
+    """Sample up to three orders above the compared range."""
     more, _ = orders_beyond(axis.data, max(evidence), axis.rule)
     posteriors = {
         k: RobustOrder.of(axis, k, noise).posterior(store, settings, beside=True) for k in more

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from bayescal.comparison.axis import Axis
 from bayescal.comparison.evidence import strength
 from bayescal.comparison.findings.finding import limits
-from bayescal.comparison.judged import Judged
+from bayescal.comparison.judged import Weighed
 from bayescal.comparison.orders import order_of
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
@@ -26,13 +26,15 @@ ERRORS = 3.0
 
 def other_noises(
     axis: Axis, own: NoiseModel, order: int, store: Store, settings: Settings
-) -> tuple[Judged, ...]:
-    """Judge an order under every noise model but its `own`."""
-    known = store.noises(axis.data.axis)
-    if known is not None:
-        return known
-    others = [named(name, axis.data) for name in NOISE_MODELS if name != own.name]
-    return tuple(order_of(axis, order, noise).beside(store, settings) for noise in others)
+) -> tuple[Weighed, ...]:
+    """Weigh an order under every noise model but its `own`."""
+
+    def weigh() -> tuple[Weighed, ...]:
+        others = [named(name, axis.data) for name in NOISE_MODELS if name != own.name]
+        found = (order_of(axis, order, noise).beside(store, settings) for noise in others)
+        return tuple(one.weighed for one in found)
+
+    return store.once(f"{axis.data.axis} other noise", tuple[Weighed, ...], weigh)
 
 
 def named(name: str, data: AxisData) -> NoiseModel:
@@ -40,7 +42,7 @@ def named(name: str, data: AxisData) -> NoiseModel:
     return NoiseChoice(name).model(data.pixel)
 
 
-def about_noise(verdict: AxisVerdict, own: Judged, others: Sequence[Judged]) -> AxisVerdict:
+def about_noise(verdict: AxisVerdict, own: Weighed, others: Sequence[Weighed]) -> AxisVerdict:
     """Add to a verdict whether `others`, of other noise, explain the data better."""
     if not others or verdict.order is None:
         return verdict
@@ -48,7 +50,7 @@ def about_noise(verdict: AxisVerdict, own: Judged, others: Sequence[Judged]) -> 
     return verdict.with_findings(() if caveat is None else [limits("noise", caveat)], text)
 
 
-def noise_words(own: Judged, others: Sequence[Judged]) -> tuple[str, str | None]:
+def noise_words(own: Weighed, others: Sequence[Weighed]) -> tuple[str, str | None]:
     """Say how other noise compares with a candidate's own; and the caveat if one is better."""
     best = max(others, key=lambda one: _lead(one, own))
     lead, words = _lead(best, own), NOISE_WORDS[own.key.noise]
@@ -66,7 +68,7 @@ def noise_words(own: Judged, others: Sequence[Judged]) -> tuple[str, str | None]
     return f"Other noise explains the data no better: ln B of {listed}.", None
 
 
-def _lead(one: Judged, other: Judged) -> float:
+def _lead(one: Weighed, other: Weighed) -> float:
     """Ln B of one candidate against another."""
     return (one.log_evidence or 0.0) - (other.log_evidence or 0.0)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from bayescal.comparison.defence.sensitivity import TauSensitivity
 from bayescal.comparison.defence.stability import Beyond, Bootstrap, Removal
-from bayescal.comparison.judged import Judged
+from bayescal.comparison.judged import Weighed
 from bayescal.comparison.leave_one_out import LeaveOneOut
 
 
@@ -77,7 +77,7 @@ class Defence:
     beyond : Beyond or None
     worth : tuple of Worth
         Of every other plausible order.
-    noises : tuple of Judged
+    noises : tuple of Weighed
         The recommended order under the other noise models.
     """
 
@@ -89,4 +89,4 @@ class Defence:
     resampled: tuple[Bootstrap, ...] = ()
     beyond: Beyond | None = None
     worth: tuple[Worth, ...] = ()
-    noises: tuple[Judged, ...] = ()
+    noises: tuple[Weighed, ...] = ()

@@ -144,7 +144,6 @@ def bootstrap(
     rng: np.random.Generator,
     members: Array | None = None,
     resamples: int = RESAMPLES,
-    known: Mapping[int, float] | None = None,
 ) -> Bootstrap:
     """Resample points or groups and count which order wins.
 
@@ -157,15 +156,10 @@ def bootstrap(
     members : Array, optional
         1 where a point belongs to a group, ``(n_groups, n_points)``; points are
         resampled one by one without it.
-    known : mapping of int to float, optional
-        The shares, from an earlier run of the same. The resamples are drawn all the same, so
-        that what comes after has the same random numbers.
     """
     unit = "point" if members is None else "group"
     units = len(data) if members is None else len(members)
     drawn = rng.multinomial(units, np.full(units, 1 / units), size=resamples).astype(float)
-    if known is not None:
-        return Bootstrap(unit, resamples, dict(known))
     counts = drawn if members is None else drawn @ members
     sets = Rows.of(data, max(models)).counted(counts)
     table = np.array(

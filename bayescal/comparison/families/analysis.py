@@ -58,7 +58,7 @@ def compare_joint(
     check_request(request, settings)
     if any(FREE in request.positions_of(family) for family in request.families):
         check_inferred(points)
-    families, highest = request.families, request.orders[-1]
+    families, highest, kept = request.families, request.orders[-1], store or Store()
     with threadpool_limits(1):
         axes = {f: linear_axes(points, f, settings, highest) for f in families if f in LINEAR}
         levels = noise_levels(points, settings, highest)
@@ -67,13 +67,13 @@ def compare_joint(
         for family in families:
             for position in request.positions_of(family):
                 if family == PINHOLE:
-                    candidates += pinholes(points, request, position, levels.data, settings)
+                    candidates += pinholes(points, request, position, levels.data, settings, kept)
                     continue
                 listed = stated_pairs if position == STATED else free_pairs
                 candidates += listed(
-                    family, axes[family], _wanted(family, request), points, settings
+                    family, axes[family], _wanted(family, request), points, settings, kept
                 )
-        found = judge_all(candidates, store or Store(), settings, _told(progress))
+        found = judge_all(candidates, kept, settings, _told(progress))
     # Probabilities too small for a double are zero, and still have an order.
     models = tuple(sorted(found, key=lambda m: (-(m.probability or 0.0), -m.log_evidence)))
     verdict = judge_families(models, family_caveats(points, models))
@@ -84,7 +84,15 @@ def compare_joint(
     if len(models) > 1:
         notes.append(EQUAL)
     return FamilyComparison(
-        points, models, request, settings, priors, levels.words, verdict, tuple(notes)
+        points,
+        models,
+        request,
+        settings,
+        priors,
+        levels.words,
+        verdict,
+        tuple(notes),
+        derived=kept.derived,
     )
 
 

@@ -29,10 +29,10 @@ from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.key import FREE, Key
 from bayescal.comparison.orders import RobustOrder
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.store import Store
+from bayescal.comparison.store import Once, Store
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.position_search import position_mode, position_sd
-from bayescal.density.robust_position import RobustFreePosition
+from bayescal.density.robust_position import Found, RobustFreePosition, robust_start
 from bayescal.errors import InputError
 from bayescal.inference.adaptation import adapt, effective_fraction
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
@@ -100,13 +100,14 @@ class GaussianFreePair(_FreePair):
     model: FreePositionModel
 
     @classmethod
-    def of(cls, pair: LinearPair, settings: Settings) -> GaussianFreePair:  # noqa: ARG003
+    def of(cls, pair: LinearPair, settings: Settings, once: Once) -> GaussianFreePair:  # noqa: ARG003
         """Find the position of highest likelihood, and Laplace's approximation about it."""
         data = joint_data(pair.axes)
-        model, rss = free_model(pair.points, pair.axes, pair.wanted.pair)
+        model, rss = free_model(pair.points, pair.axes, pair.wanted.pair, once)
+        mode = once("mode", Mode, partial(position_mode, model))
         count = sum(a.size for a in model.axes) + sum(data.inferred) + 3
         likelihood = Likelihood.of(data, rss, count)
-        return cls(*pair.parts, (position_mode(model),), likelihood, model)
+        return cls(*pair.parts, (mode,), likelihood, model)
 
     def judge(self, store: Store, settings: Settings) -> JointModel:
         """Say what its draws, sampled or weighted, say."""
@@ -151,13 +152,15 @@ class RobustFreePair(_FreePair):
     model: RobustFreePosition
 
     @classmethod
-    def of(cls, pair: LinearPair, settings: Settings) -> RobustFreePair:
+    def of(cls, pair: LinearPair, settings: Settings, once: Once) -> RobustFreePair:
         """Find the modes of its density."""
         named = zip(pair.axes, pair.wanted.pair, strict=True)
         r, c = (RobustOrder.of(axis, k, settings.noise_model(axis.data)).model for axis, k in named)
         moving = moving_axes(pair.points, pair.axes, pair.wanted.pair)
-        model = RobustFreePosition.of((r, c), moving, position_prior(pair.points))
-        modes = find_modes(model.log_prob, model.starts())
+        prior = position_prior(pair.points)
+        found = once("position", Found, partial(robust_start, moving, prior))
+        model = RobustFreePosition((r, c), moving, prior, found.start, found.ridges)
+        modes = once("modes", tuple[Mode, ...], lambda: find_modes(model.log_prob, model.starts()))
         if not modes:
             raise InputError(
                 f"{pair.points.source}: no position in front of the points has a likelihood for "
@@ -205,6 +208,7 @@ def free_pairs(
     orders: Sequence[Wanted],
     points: Correspondences,
     settings: Settings,
+    store: Store,
 ) -> list[GaussianFreePair | RobustFreePair]:
     """List the candidates of a linear family at a free position; the best is sampled."""
     pair = checked_axes(axes, orders)
@@ -212,6 +216,6 @@ def free_pairs(
     named = [LinearPair(key, points, pair, w) for key, w in zip(keys, orders, strict=True)]
     kind: type[GaussianFreePair | RobustFreePair]
     kind = RobustFreePair if settings.choice.robust else GaussianFreePair
-    made = [kind.of(p, settings) for p in named]
+    made = [kind.of(p, settings, store.once_of(p.key)) for p in named]
     best = max(made, key=lambda candidate: candidate.log_mass)
     return [replace(one, sampled=True) if one is best else one for one in made]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,16 +23,19 @@ from bayescal.comparison.settings import (
     noise_level,
     prior_rule,
 )
+from bayescal.comparison.store import Once, now
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.joint_data import JointData
 from bayescal.density.moving_axis import MovingAxis
 from bayescal.density.pinhole_coordinates import suited
 from bayescal.density.pinhole_fit import PinholeFit, fit_pinhole
+from bayescal.density.pinhole_laplace import Normal
 from bayescal.density.position_search import best_position, linearised
-from bayescal.density.robust_pinhole import RobustPinhole
+from bayescal.density.robust_pinhole import Framed, RobustPinhole
 from bayescal.errors import InputError
 from bayescal.linear.least_squares import only_rounding
+from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
@@ -168,11 +172,11 @@ def moving_axes(
 
 
 def free_model(
-    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int]
+    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int], once: Once = now
 ) -> tuple[FreePositionModel, Array]:
     """Build a linear family's model at a free position; its least weighted squares, ``(2,)``."""
     prior, moving = position_prior(points), moving_axes(points, axes, orders)
-    start = best_position(moving, prior)
+    start = once("position", Array, partial(best_position, moving, prior))
     rss = [e @ e for e, _ in (linearised(axis, start) for axis in moving)]
     return FreePositionModel(moving, prior, frozen(start)), np.array(rss)
 
@@ -197,10 +201,12 @@ def gaussian_pinhole(
     radial: Radial,
     data: JointData,
     settings: Settings,
+    once: Once = now,
 ) -> GaussianPinhole:
     """Build and fit a pinhole of one order."""
-    geometry, prior, fit = _fitted(points, order, position, radial, data, settings)
-    return GaussianPinhole.of(geometry, prior, data, fit)
+    geometry, prior, fit = _fitted(points, order, position, radial, data, settings, once)
+    frame = once("frame", Normal, partial(GaussianPinhole.frame_of, geometry, prior, data, fit))
+    return GaussianPinhole(geometry, prior, data, fit, frame, GAUSSIAN)
 
 
 def robust_pinhole(
@@ -210,10 +216,13 @@ def robust_pinhole(
     radial: Radial,
     data: JointData,
     settings: Settings,
+    once: Once = now,
 ) -> RobustPinhole:
     """Build and fit a pinhole of one order under noise without a closed form."""
-    geometry, prior, fit = _fitted(points, order, position, radial, data, settings)
-    return RobustPinhole.of(geometry, prior, data, fit, settings.choice.model(1.0))
+    geometry, prior, fit = _fitted(points, order, position, radial, data, settings, once)
+    noise = settings.choice.model(1.0)
+    framed = once("frame", Framed, partial(RobustPinhole.framed, geometry, prior, data, fit, noise))
+    return RobustPinhole(geometry, prior, data, fit, framed.frame, noise, framed.fits)
 
 
 def _fitted(
@@ -223,13 +232,14 @@ def _fitted(
     radial: Radial,
     data: JointData,
     settings: Settings,
+    once: Once,
 ) -> tuple[PinholeGeometry, PinholePrior, PinholeFit]:
     prior = pinhole_prior(points, settings.tau)
     fixed = frozen(points.setup.position) if position == STATED else None
     geometry = PinholeGeometry(
         points.world, prior.orientation, prior.half_diagonal, order, radial, fixed
     )
-    fit = fit_pinhole(points, geometry, prior, data)
+    fit = once("fit", PinholeFit, partial(fit_pinhole, points, geometry, prior, data))
     for axis, level, rss in zip(AXES, data.levels, fit.rss.tolist(), strict=True):
         check_resolved(f"{points.source}: axis {axis}", level, rss, data.n, order)
     geometry, fit = suited(geometry, prior.position, fit)

@@ -107,12 +107,13 @@ def pinholes(
     position: str,
     data: JointData,
     settings: Settings,
+    store: Store,
 ) -> list[PinholeCandidate]:
     """List the pinholes of each order at one kind of position, fitted."""
     out: list[PinholeCandidate] = []
     for k in request.radial_orders:
         key = Key(PINHOLE, (k,), position, settings.noise)
-        of = points, k, position, request.radial, data, settings
+        of = points, k, position, request.radial, data, settings, store.once_of(key)
         if settings.choice.robust:
             out.append(PinholeCandidate(key, robust_pinhole(*of)))
         else:

@@ -150,6 +150,8 @@ class FamilyComparison:
     notes : tuple of str
     origin : dict or None
         As of `bayescal.comparison.results.Comparison`.
+    derived : dict of str to Any
+        What else took long, by name: a run keeps it.
     """
 
     points: Correspondences
@@ -161,6 +163,7 @@ class FamilyComparison:
     verdict: FamilyVerdict
     notes: tuple[str, ...]
     origin: dict[str, Any] | None = None
+    derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @property
     def probabilities(self) -> tuple[float, ...]:

@@ -40,7 +40,7 @@ class ExactPair(LinearPair):
         rss = np.array([e.model.factors.rss(e.model.order) for e in (r, c)])
         count = r.model.size + c.model.size + sum(data.inferred)
         likelihood, place = Likelihood.of(data, rss, count), frozen(self.points.setup.position)
-        loos = self.r.loo, self.c.loo
+        loos = self.r.left_out(store), self.c.left_out(store)
         return JointModel(
             key=self.key,
             log_evidence=r.log_integral + c.log_integral,
@@ -94,6 +94,7 @@ def stated_pairs(
     orders: Sequence[Wanted],
     points: Correspondences,
     settings: Settings,
+    store: Store,  # noqa: ARG001 - nothing is searched for
 ) -> list[ExactPair] | list[RobustStatedPair]:
     """List the candidates of a linear family at the stated position."""
     pair = checked_axes(axes, orders)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -83,11 +84,13 @@ def find_outliers(
             if axis.shape.name == WorldErrors.name:
                 raise needs_sigma(axis.data, "a look for bad points")
             axes[name] = _axis(points, axis, orders, noises, rejection, settings, tell, kept)
-    study = OutlierStudy(axes, points, rejection.significance, settings, noises)
-    return _with_hint(study, settings)
+    study = OutlierStudy(
+        axes, points, rejection.significance, settings, noises, derived=kept.derived
+    )
+    return _with_hint(study, settings, kept)
 
 
-def _with_hint(study: OutlierStudy, settings: Settings) -> OutlierStudy:
+def _with_hint(study: OutlierStudy, settings: Settings, store: Store) -> OutlierStudy:
     """Say on both axes where another model is decisively better than their curves."""
     if set(study.axes) != set(AXES):
         return study
@@ -105,7 +108,8 @@ def _with_hint(study: OutlierStudy, settings: Settings) -> OutlierStudy:
         return study
     evidence = sum(a.treatments[0].log_evidence[k] for a, k in zip(found, orders, strict=True))
     stated = Stated((orders[0], orders[1]), evidence, sum(b or 0.0 for b in bics))
-    hint = decisively_better(study.points, (r, c), stated, settings)
+    find = partial(decisively_better, study.points, (r, c), stated, settings)
+    hint = store.once("another model", str | None, find)
     if hint is None:
         return study
     axes = {
@@ -151,8 +155,9 @@ def _axis(
     order = max((gaussian, *sampled), key=lambda t: t.total).order
     heavy, mixture = (found[order] for found in robust.values())
     posterior = mixture.posterior(store, settings)
-    view = _robust_view(heavy, heavy.posterior(store, settings), mixture, posterior)
-    loo = {c.order: c.loo for c in plain if c.loo is not None}
+    find = partial(_robust_view, heavy, heavy.posterior(store, settings), mixture, posterior)
+    view = store.once(f"{data.axis} robust view", RobustView, find)
+    loo = {c.order: left for c in plain if (left := c.left_out(store)) is not None}
     records = point_records(data, elimination, order, loo, gaussian.log_evidence, view)
     scale = level.value or posterior[level.parameter].mean
     own = np.ones(len(data)) if data.sd is None else data.sd

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from scipy.special import logsumexp
@@ -263,6 +263,8 @@ class OutlierStudy:
         The noise models that know bad points.
     origin : dict or None
         The provenance of the run it was read from; None where it was computed just now.
+    derived : dict of str to Any
+        What else took long, by name: a run keeps it.
     """
 
     axes: dict[str, AxisOutliers]
@@ -271,6 +273,7 @@ class OutlierStudy:
     settings: Settings
     noises: tuple[StudentT, OutlierMixture]
     origin: dict[str, Any] | None = None
+    derived: dict[str, Any] = field(default_factory=dict, repr=False)
 
     @property
     def sound(self) -> bool:

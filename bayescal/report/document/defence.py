@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.judged import Judged
-from bayescal.comparison.key import Key
+from bayescal.comparison.judged import Weighed
 from bayescal.report.document.shared import by_order
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
@@ -61,7 +60,7 @@ def _bootstrap(found: Bootstrap) -> dict[str, Any]:
     return {"unit": found.unit, "resamples": found.resamples, "share": by_order(found.share)}
 
 
-def noises_document(noises: Sequence[Judged]) -> list[dict[str, Any]]:
+def noises_document(noises: Sequence[Weighed]) -> list[dict[str, Any]]:
     """Evidence of an order under other noise models, for the result document."""
     return [
         {
@@ -72,20 +71,6 @@ def noises_document(noises: Sequence[Judged]) -> list[dict[str, Any]]:
         }
         for found in noises
     ]
-
-
-def noises_from(rows: list[dict[str, Any]], axis: str) -> tuple[Judged, ...]:
-    """Undo `noises_document`, of an axis; the posteriors are not kept."""
-    return tuple(
-        Judged(
-            key=Key.of_axis(axis, int(order), row["noise"]),
-            log_evidence=value,
-            log_evidence_error=row["log_evidence_error"][order],
-            warnings=tuple(row["warnings"].get(order, ())),
-        )
-        for row in rows
-        for order, value in row["log_evidence"].items()
-    )
 
 
 def adequacy_rows(tests: Sequence[AdequacyTest]) -> list[dict[str, Any]]:

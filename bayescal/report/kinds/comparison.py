@@ -74,14 +74,10 @@ class ComparisonKind(RunKind[Comparison]):
 
     def draws(self, result: Comparison) -> dict[str, Draws]:
         """Draws of every order of every axis."""
-        from bayescal.report.run.store import with_left_out
-
         kept = {}
         for axis in result.axes.values():
             for found in axis.orders:
                 draws = axis_draws(found.posterior, axis.data, found.order)
-                if axis.defence is not None and found.order in axis.defence.prediction:
-                    with_left_out(draws, axis.defence.prediction[found.order].psis)
                 kept[found.key.file(result.settings.noise)] = draws
         return kept
 

@@ -19,7 +19,7 @@ from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import described
 from bayescal.report.run.kind import RunKind
 from bayescal.report.run.shape import NUMBER, Maybe, Same
-from bayescal.report.run.store import StoredDraws, with_left_out
+from bayescal.report.run.store import StoredDraws
 from bayescal.report.views.families.views import VIEWS
 
 # Draws are kept in coordinates about a maximum that is searched for again. Another machine's
@@ -82,7 +82,7 @@ class FamiliesKind(RunKind[FamilyComparison]):
             if kept is None:
                 continue
             found[model.key.file(result.settings.noise)] = described(
-                with_left_out(packed(kept), model.loo),
+                packed(kept),
                 dict(observed),
                 model=str(model.key),
                 units="focal, centre, sigma, coefficients px; rotation degrees; position world "

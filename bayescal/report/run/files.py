@@ -6,10 +6,15 @@ import dataclasses
 import json
 from collections.abc import Callable, Container
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
+
+from bayescal.arrays import DAMAGE
 from bayescal.comparison.settings import Settings
+from bayescal.encoding import Encoded
 from bayescal.errors import InputError
 from bayescal.files import RESULT
 from bayescal.inference.arviz_bridge import Draws, parse_netcdf
@@ -20,7 +25,19 @@ from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
 from bayescal.polynomials.whole import Whole
 from bayescal.report.document.shared import versions
-from bayescal.report.run.folder import DRAWS, FORMAT, MANIFEST, POINTS, SETUP, VIEWS, digest
+from bayescal.report.run.bounded import bounded
+from bayescal.report.run.folder import (
+    DERIVED,
+    DRAWS,
+    FORMAT,
+    MADE_OF,
+    MANIFEST,
+    POINTS,
+    SETUP,
+    VIEWS,
+    digest,
+    made_of,
+)
 from bayescal.report.run.reduction import REDUCTION, parse_reduction
 from bayescal.report.run.shape import misshapen
 from bayescal.version import __version__
@@ -96,10 +113,7 @@ class RunFiles:
     def content(self, name: str) -> bytes:
         """Read a file of the run; refuse one that is not what was written."""
         expected = self.manifest["files"].get(name)
-        try:
-            raw = (self.folder / name).read_bytes()
-        except OSError as error:
-            raise InputError(f"{self.folder / name}: {reason(error)}; {self.again}") from None
+        raw = bounded(self.folder / name, self.again)
         if digest(raw) != expected:
             raise InputError(
                 f"{self.folder / name}: is not what was written there (its SHA-256 differs from "
@@ -172,9 +186,31 @@ class RunFiles:
         raw = self.content(REDUCTION)
         try:
             return parse_reduction(raw)
-        except (ValueError, KeyError, TypeError, OSError) as error:
+        except DAMAGE as error:
             where = self.folder / REDUCTION
             raise InputError(f"{where}: is damaged: {error}; {self.again}") from None
+
+    def derived_value(self, name: str, kind: Any) -> tuple[Any] | None:
+        """Read a value that took long, alone in a tuple; None where the run kept none.
+
+        Nor where it was made of other points, another camera, other settings or by another
+        version: then it is computed again.
+        """
+        try:
+            if name not in self._derived:
+                return None
+            return (self._derived.value(name, kind),)
+        except ValueError as error:
+            raise InputError(f"{self.folder / DERIVED}: {error}; {self.again}") from None
+
+    @cached_property
+    def _derived(self) -> Encoded:
+        none = Encoded({}, np.empty(0))
+        if DERIVED not in self.manifest["files"]:
+            return none
+        found = Encoded.parse(self.content(DERIVED))
+        made_of_these = MADE_OF in found and found.value(MADE_OF, str) == made_of(self.folder)
+        return found if made_of_these else none
 
     def keeps_draws(self, name: str) -> bool:
         """Whether draws of a name were written."""
@@ -213,9 +249,7 @@ def _no_run(folder: Path) -> str:
 def _json(path: Path) -> dict[str, Any]:
     """Read a JSON object."""
     try:
-        found = json.loads(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"{path}: {reason(error)}; make the run again") from None
+        found = json.loads(bounded(path, "make the run again"))
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON ({reason(error)}); make the run again") from None
     if not isinstance(found, dict):

@@ -8,6 +8,7 @@
 ``views.csv``         views of a target, in place of points and setup
 ``lenses.npz``        fits, evidences and views left out of lenses over many views
 ``camera.npz``        the calibrated camera (bayescal.prediction), where the result is of one
+``derived.npz``         what else took long (bayescal.encoding), for `open_run` alone
 ``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
 ``corner-*.png``      pictures, for people only
 """
@@ -21,6 +22,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from bayescal.arrays import Array
+from bayescal.encoding import encoded
 from bayescal.files import RESULT, FolderKind
 from bayescal.inference.arviz_bridge import Draws, write_netcdf
 from bayescal.report.run.camera import CAMERA
@@ -31,11 +33,12 @@ from bayescal.version import __version__
 # Rises when an older version could no longer read what a newer one writes.
 FORMAT = 1
 POINTS, SETUP, VIEWS, LENSES = "points.csv", "setup.toml", "views.csv", "lenses.npz"
-DRAWS = "draws"
+DERIVED, DRAWS = "derived.npz", "draws"
+MADE_OF = "made of"
 RUN = FolderKind(
     "run",
     RESULT,
-    (MANIFEST, POINTS, REDUCTION, SETUP, VIEWS, LENSES, CAMERA, DRAWS, "corner-*.png"),
+    (MANIFEST, POINTS, REDUCTION, SETUP, VIEWS, LENSES, CAMERA, DERIVED, DRAWS, "corner-*.png"),
 )
 
 
@@ -54,7 +57,11 @@ class Read(Protocol):
 
 
 def fill_run(
-    folder: Path, files: Mapping[str, bytes], draws: Mapping[str, Draws], read: Read
+    folder: Path,
+    files: Mapping[str, bytes],
+    draws: Mapping[str, Draws],
+    derived: Mapping[str, Any],
+    read: Read,
 ) -> None:
     """Write beside the document what a run is reopened from.
 
@@ -66,11 +73,14 @@ def fill_run(
         What the result is of, its camera and what else it takes up again, by their names.
     draws : mapping of str to Draws
         By the model's name.
+    derived : mapping of str to Any
+        What else took long, by name.
     read : Read
         What was read, once.
     """
     for name, raw in files.items():
         (folder / name).write_bytes(raw)
+    (folder / DERIVED).write_bytes(encoded({**derived, MADE_OF: made_of(folder)}))
     (folder / DRAWS).mkdir()
     for name, kept in draws.items():
         write_netcdf(folder / DRAWS / f"{name}.nc", kept)
@@ -86,6 +96,14 @@ def fill_run(
         "notes": list(read.notes),
     }
     (folder / MANIFEST).write_bytes((json.dumps(manifest) + "\n").encode())
+
+
+def made_of(folder: Path) -> str:
+    """Hash of what derived values follow from: points, camera, settings, and who computed them."""
+    settings = json.loads((folder / RESULT).read_bytes()).get("settings")
+    kept = (folder / name for name in (POINTS, REDUCTION, SETUP, VIEWS))
+    parts = [path.read_bytes() for path in kept if path.is_file()]
+    return digest(b"".join([*parts, json.dumps(settings).encode(), __version__.encode()]))
 
 
 def digest(raw: bytes) -> str:

@@ -156,7 +156,8 @@ class RunKind(Kind[Result]):
         files, camera = self.files(result), camera_bytes_of(result)
         if camera is not None:
             files[CAMERA] = camera
-        fill_run(folder, files, self.draws(result), self.read(result))
+        derived = getattr(result, "derived", {})
+        fill_run(folder, files, self.draws(result), derived, self.read(result))
         self.pictures(folder, result)
 
     def open(self, folder: Path, *, defend: bool | None = None) -> Result:

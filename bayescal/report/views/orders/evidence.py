@@ -17,7 +17,7 @@ from bayescal.rounding import significant
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
     from bayescal.comparison.defence.sensitivity import TauSensitivity
-    from bayescal.comparison.judged import Judged
+    from bayescal.comparison.judged import Weighed
 
 # The table over tau shows the decades of its grid.
 ON_DECADE = 1e-9
@@ -67,7 +67,7 @@ def tau_table(axis: AxisComparison, found: TauSensitivity) -> Table:
     return order_table(found.orders, columns, rows, axis.verdict.order, head=head)
 
 
-def noises_note(axis: AxisComparison, noises: tuple[Judged, ...]) -> str:
+def noises_note(axis: AxisComparison, noises: tuple[Weighed, ...]) -> str:
     """Say under which priors the other noise models were judged."""
     from bayescal.comparison.defence.other_noise import named
 
@@ -76,7 +76,7 @@ def noises_note(axis: AxisComparison, noises: tuple[Judged, ...]) -> str:
     return f"Other noise: {words}. {same}"
 
 
-def noises_table(axis: AxisComparison, noises: tuple[Judged, ...]) -> Table:
+def noises_table(axis: AxisComparison, noises: tuple[Weighed, ...]) -> Table:
     """Log evidence of the recommended order under every noise model."""
     chosen = axis.chosen
     own = chosen.log_evidence or 0.0
