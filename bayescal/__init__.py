@@ -41,6 +41,7 @@ _EXPORTS = {
     "locate": "bayescal.api.camera",
     "distances": "bayescal.api.camera",
     "locate_target": "bayescal.api.camera",
+    "image_maps": "bayescal.api.camera",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
     "compare_polynomials": "bayescal.api.polynomials",
@@ -85,6 +86,7 @@ __all__ = [
     "fit_polynomial",
     "fitted_camera",
     "fleet",
+    "image_maps",
     "keep_camera",
     "least_squares",
     "load",
@@ -112,7 +114,7 @@ __all__ = [
 if TYPE_CHECKING:
     from bayescal.api.axes import compare, fit
     from bayescal.api.calibrate import calibrate
-    from bayescal.api.camera import camera, distances, locate, locate_target, predict
+    from bayescal.api.camera import camera, distances, image_maps, locate, locate_target, predict
     from bayescal.api.families import compare_families, fit_family
     from bayescal.api.fleet import fleet
     from bayescal.api.outliers import outliers

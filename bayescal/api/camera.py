@@ -13,6 +13,8 @@ from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.columns import location_columns, pair_columns, prediction_columns
 from bayescal.prediction.locate import locate as locate_pixels
 from bayescal.prediction.locate import surface_of
+from bayescal.prediction.maps import ImageMaps
+from bayescal.prediction.maps import image_maps as maps_of
 from bayescal.prediction.pairs import distances as distances_between
 from bayescal.prediction.predict import checked
 from bayescal.prediction.predict import predict as predict_pixels
@@ -216,6 +218,24 @@ def locate_target(
             raise InputError("pixels are missing: give r, c of each point, or a data frame of both")
         pixels = _numbers(target, ("r", "c"), "target")
     return pose_of(camera(source), points, pixels, average=average, sigma=sigma, seed=seed)
+
+
+def image_maps(source: Any, *, columns: int = 33, rows: int = 25) -> ImageMaps:
+    """Map over the image how sure the mapping is, and what other plausible models would move.
+
+    Parameters
+    ----------
+    source : CalibratedCamera, or anything `camera` takes
+    columns, rows : int, optional
+        Of the grid over the image.
+
+    Returns
+    -------
+    ImageMaps
+        Deviations of the mapping, of a new measurement and averaged, differences of the models,
+        px; `bayescal.plot` draws them (``"sd-map"``, ``"difference-map"``).
+    """
+    return maps_of(camera(source), columns=columns, rows=rows)
 
 
 def _numbers(given: Any, names: tuple[str, ...], what: str) -> Any:

@@ -38,6 +38,11 @@ def add_rows(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--strict", action="store_true", help="refuse a table with a bad row (bad rows are named)"
     )
+    add_output(parser)
+
+
+def add_output(parser: argparse.ArgumentParser) -> None:
+    """Add where answers go."""
     output = parser.add_argument_group("output")
     output.add_argument("--out", metavar="FILE|-", help="write all rows as CSV; - prints them")
     output.add_argument("--json", metavar="FILE|-", help="write all rows as JSON; - prints them")

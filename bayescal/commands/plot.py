@@ -11,7 +11,13 @@ from bayescal.commands import options as shared
 from bayescal.commands.many import many_or_few
 from bayescal.commands.output import DONE, add_progress, check_file, code_of
 from bayescal.errors import InputError
-from bayescal.report.figures.registry import FIGURES, KINDS, FigureKind, figure_kinds
+from bayescal.report.figures.registry import (
+    CAMERA,
+    FIGURES,
+    KINDS,
+    FigureKind,
+    figure_kinds,
+)
 
 if TYPE_CHECKING:
     from bayescal.comparison.results import Comparison
@@ -81,13 +87,8 @@ def run(options: argparse.Namespace) -> int:
     if suffix not in SUFFIXES:
         raise InputError(f"{path}: a figure is written as {', '.join(SUFFIXES)}; name it so")
     check_file(options, path)
-    kind = KINDS[options.kind]
-    if shared.is_run(options, SETTLED):
-        from bayescal.report.runs import kind_at
-
-        kind = figure_kinds(kind_at(Path(options.points)).name).get(options.kind, kind)
-        result = _reopened(kind, options)
-    else:
+    kind, result = _held(KINDS[options.kind], options)
+    if result is None:
         result = _compared(kind, options)
     figure = kind.draw(result, options.axis, options.order)
     words = kind.alt_text(result, options.axis, options.order)
@@ -96,7 +97,7 @@ def run(options: argparse.Namespace) -> int:
     write_whole(path, figure_bytes(figure, suffix[1:]), force=options.force)
     if not options.quiet:
         print(f"{path}: {words}")
-    return code_of(sound=result.sound)
+    return code_of(sound=getattr(result, "sound", True))
 
 
 def _check(kind: FigureKind, options: argparse.Namespace) -> None:
@@ -106,7 +107,7 @@ def _check(kind: FigureKind, options: argparse.Namespace) -> None:
     ------
     InputError
     """
-    if kind.of != "comparison":
+    if kind.of not in ("comparison", CAMERA):
         from bayescal.report.runs import kind_named
 
         made_by = kind_named(kind.of).made_by
@@ -131,6 +132,22 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
             progress=progress,
             **shared.settings(options),
         )
+
+
+def _held(kind: FigureKind, options: argparse.Namespace) -> tuple[FigureKind, Any]:
+    """Take what is drawn out of a run or a camera's file, with its kind; None of points."""
+    kept = options.points is not None and options.points.endswith(".npz") and kind.of == CAMERA
+    if not (kept or shared.is_run(options, SETTLED)):
+        return kind, None
+    if kind.of != CAMERA:
+        from bayescal.report.runs import kind_at
+
+        kind = figure_kinds(kind_at(Path(options.points)).name).get(options.kind, kind)
+        return kind, _reopened(kind, options)
+    from bayescal.report.camera import camera_at
+    from bayescal.report.figures.registry import maps_of
+
+    return kind, maps_of(camera_at(options.points))
 
 
 def _reopened(kind: FigureKind, options: argparse.Namespace) -> Any:

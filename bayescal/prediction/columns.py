@@ -8,6 +8,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.prediction.locate import SOURCES, Location
+from bayescal.prediction.maps import ImageMaps
 from bayescal.prediction.pairs import Distances
 from bayescal.prediction.predict import Prediction
 from bayescal.prediction.target import QUANTITIES, TargetPose
@@ -95,6 +96,26 @@ def target_columns(found: TargetPose) -> dict[str, Any]:
         "linear_sd": np.sqrt(np.diag(found.linear_covariance)),
         **{f"{source}_sd": found.parts[source] for source in TARGET_SOURCES},
     }
+
+
+def map_columns(found: ImageMaps) -> dict[str, Any]:
+    """Name the columns of maps over the image: a row for each place."""
+    at = found.places
+    columns: dict[str, Any] = {
+        "r": at.pixels[:, 0],
+        "c": at.pixels[:, 1],
+        "sd": found.epistemic,
+        "new_sd": found.predictive,
+        "averaged_sd": found.averaged,
+    }
+    for one in found.differences:
+        shifts = {f"to {one.other}: {axis}": one.shift[:, i] for i, axis in enumerate("rc")}
+        columns |= {**shifts, f"to {one.other}: sd": one.sd}
+    columns["note"] = [
+        "" if inside else "extrapolated" if ok else "no inverse"
+        for ok, inside in zip(at.found, at.inside, strict=True)
+    ]
+    return columns
 
 
 def _spread(forms: tuple[tuple[str, Array], ...], names: tuple[str, ...]) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from bayescal.prediction.slopes import with_slopes
 RESIDUAL = 1e-9  # px
 NEWTON, HALVINGS = 40, 80
 STARTS = 9  # along each ratio, of polynomials of both
+FINE, PATH = 21, 9  # places of the domain along each ratio, and on the way from there beyond it
 MARGIN = 0.05  # of the domain, beyond its ends
 SAME = 1e-6  # of the domain: solutions closer than this are one
 
@@ -196,3 +197,28 @@ def _newton(
 
 def _det(slope: Array) -> Array:
     return np.asarray(slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0])
+
+
+def continued(member: PolynomialMember, pixels: Array) -> tuple[Array, BoolArray]:
+    """Solve pixels on the monotone branch of the calibrated domain, and beyond it.
+
+    Returns
+    -------
+    scaled : Array
+        Scaled regressors, ``(n, 2)``.
+    found : ndarray of bool
+        Whether the mapping turns nowhere between the domain and the solution, ``(n,)``.
+    """
+    low, high = member.box
+    sides = (np.linspace(a, z, FINE) for a, z in zip(low, high, strict=True))
+    grid = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
+    mean = member.parameters.mean[None]
+    value, slope = with_slopes(member, mean, grid[None])
+    sign = np.sign(np.median(_det(slope)))
+    nearest = ((pixels[:, None] - value[0]) ** 2).sum(axis=2).argmin(axis=1)
+    start = grid[nearest]
+    at, found = _newton(member, mean, pixels[None], start[None])
+    for share in np.linspace(0, 1, PATH):
+        _, slope = with_slopes(member, mean, (1 - share) * start[None] + share * at)
+        found = found & (np.sign(_det(slope)) == sign)
+    return at[0], found[0]

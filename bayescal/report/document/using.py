@@ -1,4 +1,4 @@
-"""What a calibrated camera answers, as documents: rows of a table, and the pose of a target."""
+"""What a calibrated camera answers, as documents: rows, and the pose of a target."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from bayescal.report.document.shared import dumps, provenance
 
 PREDICTION, LOCATION = "bayescal.prediction/1", "bayescal.location/1"
 DISTANCES, TARGET = "bayescal.distances/1", "bayescal.target/1"
+MAPS = "bayescal.maps/1"
 PACKAGES = ("numpy", "scipy")
 
 

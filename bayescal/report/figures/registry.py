@@ -15,6 +15,11 @@ if TYPE_CHECKING:  # the command's help lists the kinds without paying for matpl
     from bayescal.comparison.lenses.results import LensComparison
     from bayescal.comparison.outliers.results import OutlierStudy
     from bayescal.comparison.results import Comparison
+    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.maps import ImageMaps
+
+CAMERA = "camera"  # what several kinds of result hold
+HOLD_CAMERA = ("comparison", "families", "lenses", CAMERA)
 
 
 class FigureModule(Protocol):
@@ -96,10 +101,10 @@ class FigureKind:
         """Give what its module draws: an axis and order of a comparison, or the whole result."""
         if order is not None and not self.one_order:
             raise InputError(f"{self.name} shows every order; leave out the order")
-        if self.of in ("families", "lenses"):
+        if self.of in ("families", "lenses", CAMERA):
             if axis is not None:
                 raise InputError(f"{self.name} is of r and c together; leave out the axis")
-            return result
+            return maps_of(result) if self.of == CAMERA else result
         names = ", ".join(result.axes)
         if axis is not None and axis not in result.axes:
             raise InputError(f"axis {axis} was not compared; axes: {names}")
@@ -117,6 +122,17 @@ class FigureKind:
         if order is not None:
             subject.check_order()
         return subject
+
+
+def maps_of(result: Any) -> ImageMaps:
+    """Make the maps of a calibrated camera, or of a result that holds one."""
+    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.maps import ImageMaps, image_maps
+    from bayescal.prediction.sources import camera_of
+
+    if isinstance(result, ImageMaps):
+        return result
+    return image_maps(result if isinstance(result, CalibratedCamera) else camera_of(result))
 
 
 # A kind is one module in the folder of its result and one line here.
@@ -147,6 +163,8 @@ FIGURES = (
     FigureKind("vectors", "residuals of the best models over the image", of="families"),
     FigureKind("position", "camera position against the stated one", of="families"),
     FigureKind("correlation", "correlations of the parameters", of="families"),
+    FigureKind("sd-map", "how sure the mapping is, over the image", of=CAMERA),
+    FigureKind("difference-map", "what other plausible models change over the image", of=CAMERA),
     FigureKind("bad-points", "residual and probability of being bad", one_axis=True, of="outliers"),
     FigureKind("evidence", "log evidence over the order", of="lenses"),
     FigureKind("models", "log evidence of every lens", of="lenses"),
@@ -161,7 +179,17 @@ FIGURES = (
 
 def figure_kinds(of: str) -> dict[str, FigureKind]:
     """Give the kinds of figure of a kind of result, by their names."""
-    return {kind.name: kind for kind in FIGURES if kind.of == of}
+    held = (of, CAMERA) if of in HOLD_CAMERA else (of,)
+    return {kind.name: kind for kind in FIGURES if kind.of in held}
+
+
+def drawn_as(result: object) -> str:
+    """Name the kind of result that something is drawn as."""
+    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.maps import ImageMaps
+    from bayescal.report.runs import kind_of
+
+    return CAMERA if isinstance(result, CalibratedCamera | ImageMaps) else kind_of(result).name
 
 
 # By their names alone: where several kinds of result have one, that of the first.
@@ -169,7 +197,7 @@ KINDS = {kind.name: next(k for k in FIGURES if k.name == kind.name) for kind in 
 
 
 def plot(
-    comparison: Comparison | FamilyComparison | OutlierStudy | LensComparison,
+    comparison: Comparison | FamilyComparison | OutlierStudy | LensComparison | CalibratedCamera,
     kind: str,
     *,
     axis: str | None = None,
@@ -179,9 +207,9 @@ def plot(
 
     Parameters
     ----------
-    comparison : Comparison, FamilyComparison, OutlierStudy or LensComparison
+    comparison : Comparison, FamilyComparison, OutlierStudy, LensComparison or CalibratedCamera
         From `compare`, `compare_polynomials`, `fit`, `compare_families`, `fit_family`,
-        `outliers`, `calibrate` or `open_run`.
+        `outliers`, `calibrate`, `open_run` or `camera`.
     kind : str
         Of orders: ``"verdict"``, ``"joint"``, ``"evidence"``, ``"loo"``, ``"bootstrap"``,
         ``"residuals"``, ``"other"``, ``"image"``, ``"qq"``, ``"curve"``, ``"corner"``,
@@ -189,6 +217,7 @@ def plot(
         ``"position"``, ``"correlation"``. Of bad points: ``"bad-points"``. Of lenses:
         ``"evidence"``, ``"models"``, ``"difference"``, ``"uncertainty"``, ``"corner"``,
         ``"vectors"``, ``"views"``, ``"bow"``.
+        Of a camera, or of orders, families or lenses: ``"sd-map"``, ``"difference-map"``.
     axis : str, optional
         ``"r"``, ``"c"`` or ``"y"``; may be left out where there is only one, and for
         a figure of all axes. Families and lenses have none.
@@ -205,9 +234,7 @@ def plot(
     InputError
         Where there is no such kind, axis or order, or nothing to draw; says why.
     """
-    from bayescal.report.runs import kind_of
-
-    of = kind_of(comparison).name
+    of = drawn_as(comparison)
     known = figure_kinds(of)
     if kind not in known:
         raise InputError(f"{kind!r} is no kind of figure of {of}; kinds: {', '.join(known)}")

@@ -11,9 +11,8 @@ from PIL import Image
 
 from bayescal.errors import InputError
 from bayescal.report.blocks import Block, Blocks, Details, Figure, Part, Picture, Prose
-from bayescal.report.figures.registry import figure_kinds
+from bayescal.report.figures.registry import drawn_as, figure_kinds
 from bayescal.report.figures.style import figure_bytes
-from bayescal.report.runs import kind_of
 
 # A figure is drawn as lines (SVG) unless it is so crowded that this many bytes do not hold it.
 LARGEST_SVG = 100_000
@@ -31,7 +30,7 @@ def _drawn(block: Block) -> Block:
         return replace(block, blocks=drawn(block.blocks))
     if not isinstance(block, Figure):
         return block
-    kind = figure_kinds(kind_of(block.result).name)[block.name]
+    kind = figure_kinds(drawn_as(block.result))[block.name]
     which = block.axis, block.order
     try:
         figure = kind.draw(block.result, *which)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bayescal.comparison.averaging import averaged_words
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.report.blocks import Block, Blocks, Facts, Part, Prose, Tabled, listed
+from bayescal.report.views.maps import map_section
 from bayescal.report.views.orders import (
     adequacy,
     chains,
@@ -129,7 +130,7 @@ VIEWS = Views(
     brief,
     full,
     headlines,
-    {topic.id: topic.section for topic in TOPICS},
+    {**{topic.id: topic.section for topic in TOPICS}, "maps": map_section},
     UNSOUND,
     {topic.id: topic.section for topic in APPENDIX},
     methods.section,

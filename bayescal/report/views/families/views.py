@@ -36,6 +36,7 @@ from bayescal.report.views.families.words import (
     sampling_words,
     weak_words,
 )
+from bayescal.report.views.maps import map_section
 from bayescal.report.views.views import Views
 from bayescal.rounding import significant
 
@@ -113,7 +114,7 @@ VIEWS = Views(
     brief,
     full,
     lambda found: [found.verdict.text],
-    {"families": section},
+    {"families": section, "maps": map_section},
     UNSOUND,
 )
 

@@ -1,0 +1,70 @@
+"""What places of the image look at: points before the camera whose predictions can be compared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array
+from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.hull import within
+from bayescal.prediction.inverse import continued, rays
+from bayescal.prediction.members import BoolArray, LensMember, PolynomialMember
+
+COLUMNS, ROWS = 33, 25  # of a grid over the image
+
+
+@dataclass(frozen=True, eq=False)
+class Sights:
+    """Places of the image, and a point of the world that the chosen model sees at each.
+
+    Attributes
+    ----------
+    pixels : Array
+        As recorded, ``(n, 2)``, px.
+    world : Array
+        At the median distance of the calibration points, ``(n, 3)``; nan where nothing appears.
+    found : ndarray of bool
+        Where something appears, by a mapping that is monotone up to there, ``(n,)``.
+    inside : ndarray of bool
+        Where points were calibrated with, ``(n,)``; elsewhere the model is extrapolated.
+    """
+
+    pixels: Array
+    world: Array
+    found: BoolArray
+    inside: BoolArray
+
+
+def image_grid(camera: CalibratedCamera, columns: int = COLUMNS, rows: int = ROWS) -> Array:
+    """Pixels over the image, ``(rows * columns, 2)``, px; over the points where it has no size."""
+    low, high = extent(camera)
+    r, c = np.meshgrid(np.linspace(low[0], high[0], columns), np.linspace(low[1], high[1], rows))
+    return np.column_stack([r.ravel(), c.ravel()])
+
+
+def extent(camera: CalibratedCamera) -> tuple[Array, Array]:
+    """Centres of the first and the last pixel, ``(2,)`` each, px."""
+    if camera.size is None:
+        return camera.pixel_hull.min(axis=0), camera.pixel_hull.max(axis=0)
+    return np.zeros(2), np.array(camera.size) - 1.0
+
+
+def sights(camera: CalibratedCamera, pixels: Array) -> Sights:
+    """Find what recorded pixels ``(n, 2)`` look at by the chosen model's mean."""
+    member, own = camera.chosen, camera.recorded(pixels)
+    mean = member.parameters.mean[None]
+    start, ok = None, np.ones(len(own), dtype=bool)
+    if isinstance(member, PolynomialMember):
+        start, ok = continued(member, own)
+    sight = rays(member, mean, own[None], start)
+    found = ok & sight.found[0]
+    world = sight.origin[0] + camera.distance * sight.direction[0]
+    world[~found] = np.nan
+    if isinstance(member, LensMember):
+        inside = within(member.hull, own)
+    else:
+        inside = np.zeros(len(own), dtype=bool)
+        inside[found] = member.covered(world[found])
+    return Sights(pixels, world, found, found & inside)

@@ -1,0 +1,1 @@
+"""Figures of a calibrated camera: maps over the image."""

@@ -1,0 +1,86 @@
+"""What maps over the image share: panels of its shape, contours, hatching, the hull."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Polygon
+
+from bayescal.arrays import Array
+from bayescal.prediction.maps import ImageMaps
+from bayescal.report.figures.style import BLACK, COLOURS, GREY, VERMILLION, WIDTH
+
+STEPS = np.array([v * 10.0**k for k in range(-6, 6) for v in (1, 2, 5)])
+MOST_LEVELS = 7
+SPARE = 0.75  # inches, above and below the panels
+
+
+def image_panels(maps: ImageMaps, number: int, *, flipped: bool) -> tuple[Figure, list[Axes]]:
+    """Make panels with the image's shape, two beside each other, and the legend of all."""
+    low, high = maps.places.pixels.min(axis=0), maps.places.pixels.max(axis=0)
+    columns = min(number, 2)
+    rows = -(-number // columns)
+    wide, tall = high - low
+    height = rows * (WIDTH / columns * 0.82 * tall / wide + SPARE) + 0.3
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    every = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
+    for extra in every[number:]:
+        extra.set_axis_off()
+    for panel in every[:number]:
+        panel.set_xlim(low[0], high[0])
+        panel.set_ylim(*((low[1], high[1]) if flipped else (high[1], low[1])))
+        panel.set_aspect("equal")
+        panel.set_xlabel("r [px]")
+        panel.set_ylabel("c [px]")
+    figure.legend(handles=_legend(maps), loc="outside lower center", ncols=3)
+    return figure, every[:number]
+
+
+def _legend(maps: ImageMaps) -> list[Patch]:
+    handles = [Patch(fill=False, edgecolor=VERMILLION, label="hull of the calibration points")]
+    if maps.extrapolated.any():
+        handles.append(Patch(fill=False, hatch="////", edgecolor=GREY, label="extrapolated"))
+    if not maps.places.found.all():
+        handles.append(Patch(fill=False, hatch="xxxx", edgecolor=GREY, label="no inverse"))
+    return handles
+
+
+def draw_map(panel: Axes, maps: ImageMaps, values: Array, title: str) -> None:
+    """Fill a panel with contours of values ``(n,)``, px; hatch what can't be believed."""
+    r, c = (side.reshape(maps.shape) for side in maps.places.pixels.T)
+    shown = np.ma.masked_invalid(values.reshape(maps.shape))
+    levels = levels_of(values, maps)
+    if len(levels) > 2:
+        panel.contourf(
+            r, c, shown, levels=levels, cmap=COLOURS, norm=LogNorm(levels[0], levels[-1]),
+            extend="max", alpha=0.55,
+        )  # fmt: skip
+        lines = panel.contour(r, c, shown, levels=levels[1:-1], colors=BLACK, linewidths=0.7)
+        panel.clabel(lines, fmt=lambda v: f"{v:g}", fontsize=7.5)
+    for where, hatch in ((maps.extrapolated, "////"), (~maps.places.found, "xxxx")):
+        if where.any():
+            region = where.astype(float).reshape(maps.shape)
+            area = panel.contourf(r, c, region, levels=[0.5, 1.5], colors="none", hatches=[hatch])
+            area.set_edgecolor(GREY)
+            area.set_linewidth(0)
+    panel.add_patch(Polygon(maps.hull, fill=False, edgecolor=VERMILLION, linewidth=1.2))
+    panel.set_title(f"{title} [px]", loc="left")
+
+
+def levels_of(values: Array, maps: ImageMaps) -> list[float]:
+    """Part the values by steps of 1, 2, 5, up to a hundredfold of the largest inside."""
+    known = values[np.isfinite(values) & (values > 0)]
+    if not known.size:
+        return []
+    inner = values[maps.places.inside & np.isfinite(values)]
+    low, high = float(known.min()), float(known.max())
+    if inner.size and inner.max() > 0:
+        high = min(high, 100 * float(inner.max()))
+        # Where two models agree, they agree to any digit.
+        low = max(low, float(inner.max()) / 20)
+    found = STEPS[(low < STEPS) & (high > STEPS)]
+    while len(found) > MOST_LEVELS:
+        found = found[::2]
+    return [low, *found.tolist(), high]

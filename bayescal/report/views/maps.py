@@ -1,0 +1,88 @@
+"""Where in the image a calibration can be believed, in numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from bayescal.errors import InputError
+from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.maps import NAMES, ImageMaps, image_maps
+from bayescal.prediction.sources import camera_of
+from bayescal.report.blocks import Blocks, Figure, Listing, Section, Tabled
+from bayescal.report.table import Cell, Column, Table
+from bayescal.report.views.prediction import models_words
+from bayescal.rounding import counted, rounded, significant
+
+MOST = 3  # other models, in sentences and columns
+SD_CAPTION = (
+    "Standard deviation of the mapping and of a new measurement over the image; hatched: beyond "
+    "the calibration points, or without an inverse."
+)
+DIFFERENCE_CAPTION = (
+    "How far the other plausible models predict the points elsewhere that the chosen one sees."
+)
+
+
+def map_view(camera: CalibratedCamera, maps: ImageMaps) -> Blocks:
+    """Show deviations at named places, and what other models would move."""
+    return (Listing((f"the image {models_words(camera)}",), "about"), *map_blocks(maps))
+
+
+def map_blocks(maps: ImageMaps) -> Blocks:
+    """Show the table and its sentences."""
+    return (Tabled("map-places", "Over the image, px.", places_table(maps), tuple(_lines(maps))),)
+
+
+def map_section(result: Any) -> Section | None:
+    """Make the chapter of a page, with figures; None of a result that holds no camera."""
+    try:
+        maps = image_maps(camera_of(result))
+    except InputError:
+        return None
+    drawn = [Figure("sd-map", maps, SD_CAPTION)]
+    if maps.differences:
+        drawn.append(Figure("difference-map", maps, DIFFERENCE_CAPTION))
+    lead = "How sure the calibrated mapping is, and what another plausible model would move."
+    return Section("maps", "Over the image", lead, (*drawn, *map_blocks(maps)))
+
+
+def places_table(maps: ImageMaps) -> Table:
+    """Make a row for each named place."""
+    at = maps.named
+    assert at is not None, "of the whole image"
+    others = at.differences[:MOST]
+    heads = ["place", "r", "c", "sd", "new sd", *["averaged sd"] * bool(others)]
+    columns = [Column(h) for h in (*heads, *(f"to {d.other}" for d in others), "")]
+    rows = []
+    for i, name in enumerate(NAMES):
+        r, c = at.places.pixels[i]
+        where = (Cell(name), Cell(f"{r:.4g}"), Cell(f"{c:.4g}"))
+        if not at.places.found[i]:
+            rows.append((*where, *[Cell("")] * (len(columns) - 4), Cell("no inverse")))
+            continue
+        spreads = [at.epistemic[i], at.predictive[i], *[at.averaged[i]] * bool(others)]
+        moved = (f"{rounded(d.size[i], d.sd[i])} ± {significant(d.sd[i])}" for d in others)
+        note = "" if at.places.inside[i] else "extrapolated"
+        cells = (*(Cell(significant(float(v))) for v in spreads), *map(Cell, moved), Cell(note))
+        rows.append((*where, *cells))
+    return Table(tuple(columns), tuple(rows), spare=tuple(c.head for c in columns[-2:5:-1]))
+
+
+def _lines(maps: ImageMaps) -> list[str]:
+    lines = [
+        f"sd: of the mapping by {maps.chosen}, root mean square of r and c; new sd: of a new "
+        "measurement."
+    ]
+    inside = maps.epistemic[maps.places.inside & np.isfinite(maps.epistemic)]
+    if inside.size:
+        ends = " to ".join(significant(float(v)) for v in (inside.min(), inside.max()))
+        share = 100 * float(maps.places.inside.mean())
+        lines.append(
+            f"Among the calibration points ({share:.0f} % of the image) sd is {ends} px; elsewhere "
+            "the model is extrapolated."
+        )
+    lines += maps.sentences[:MOST]
+    more = len(maps.differences) - MOST
+    return [*lines, f"And {counted(more, 'more plausible model')}."] if more > 0 else lines
