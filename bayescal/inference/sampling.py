@@ -10,9 +10,9 @@ import numpy as np
 from emcee.autocorr import auto_window
 
 from bayescal.arrays import Array
-from bayescal.inference.arviz_bridge import autocovariance, diagnose
 from bayescal.inference.chain import Chain
 from bayescal.inference.coordinates import WhitenedProposal, Whitening
+from bayescal.inference.diagnostics import autocovariance, diagnose
 from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposal import Proposal
 
@@ -119,13 +119,12 @@ def judged(
         Number of ensembles whose walkers interact, one after the other along the first
         axis: R-hat is then that over the ensembles, each a chain of all its walkers.
     """
-    columns = range(draws.shape[2])
     merged = draws
     if ensembles is not None:
         walkers = draws.reshape(ensembles, -1, *draws.shape[1:])
         merged = walkers.swapaxes(1, 2).reshape(ensembles, -1, draws.shape[2])
-    diagnostics = tuple(diagnose(draws[:, :, j], merged[:, :, j]) for j in columns)
-    time = max(autocorrelation_time(draws[:, :, j]) for j in columns)
+    diagnostics = diagnose(draws, merged)
+    time = max(autocorrelation_time(draws[:, :, j]) for j in range(draws.shape[2]))
     enough = min(min(d.ess_bulk, d.ess_tail) for d in diagnostics) >= ess
     mixed = max(d.rhat for d in diagnostics) < RHAT_LIMIT
     long = draws.shape[1] > TAU_STEPS * time
