@@ -1,4 +1,4 @@
-"""Families of models of r and c together."""
+"""Families of joint models of r and c."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def compare_families(
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> FamilyComparison:
-    """Compare families of models of r and c together, their orders and the camera position.
+    """Compare families of joint models of r and c, their orders and the camera position.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def fit_family(
     setup: GivenSetup = None,
     **options: Unpack[Options],
 ) -> FamilyComparison:
-    """Fit one model of r and c together; what `compare_families` gives, with one model.
+    """Fit one joint model of r and c; what `compare_families` gives, with one model.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaln, logsumexp
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import Reduced
 from bayescal.calibration.strengths import Strengths
@@ -43,7 +43,7 @@ class Level:
             low, high = (math.log(b) for b in SIGMA_BOUNDS)
             flat = Strength((low, high), nu).log_density(np.ravel(squares))
             return np.asarray(flat).reshape(np.shape(squares))
-        constant = -nu / 2 * math.log(2 * math.pi) - nu * math.log(self.sigma)
+        constant = -nu / 2 * LOG_2PI - nu * math.log(self.sigma)
         return np.asarray(constant - squares / (2 * self.sigma**2))
 
     def variance(self, squares: Array, nu: int) -> Array:
@@ -153,7 +153,7 @@ def laplace(
         + prior.log_weight
         + prior.log_density
         - 0.5 * (prior.precision * deviation).sum(axis=1)
-        + d / 2 * math.log(2 * math.pi)
+        + d / 2 * LOG_2PI
         - 0.5 * np.linalg.slogdet(curvature)[1]
         + ratio
     )

@@ -57,12 +57,12 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
-    """Compare families of models of r and c together."""
+    """Compare families of joint models of r and c."""
     from bayescal.api.families import compare_families
 
     if options.axis in ("r", "c") or options.defend:
         option = "--defend" if options.defend else f"--axis {options.axis}"
-        raise InputError(f"compare: families are models of r and c together; drop {option}")
+        raise InputError(f"compare: families are joint models of r and c; drop {option}")
     check_output(options)
     points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}

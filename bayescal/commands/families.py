@@ -1,4 +1,4 @@
-"""What the commands that work on models of r and c together share: options."""
+"""What the commands that work on joint models of r and c share: options."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _joint(options: argparse.Namespace) -> int:
-    """Fit one model of r and c together."""
+    """Fit one joint model of r and c."""
     from bayescal.api.families import fit_family
 
     family = options.family or "separable"

@@ -25,7 +25,7 @@ def add_output(
     *,
     progress: bool = True,
 ) -> None:
-    """Add where results go (no folder without its help), and whether a progress bar is had."""
+    """Add where results go (no folder without its help), and whether progress is shown."""
     output = parser.add_argument_group("output")
     output.add_argument(
         "--json", metavar="FILE|-", help="write the result document; - prints it instead of tables"
@@ -39,7 +39,7 @@ def add_output(
 
 
 def add_progress(group: argparse._ArgumentGroup) -> None:
-    """Add whether a progress bar is had."""
+    """Add whether progress is shown."""
     group.add_argument(
         "--progress",
         action=argparse.BooleanOptionalAction,

@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     asked = families_of(options)
     if asked is not None and options.axis in ("r", "c"):
         raise InputError(
-            f"report: families are models of r and c together; drop --axis {options.axis}"
+            f"report: families are joint models of r and c; drop --axis {options.axis}"
         )
     page, lines, sound = _page(options, asked)
     from bayescal.report.page.page import html

@@ -22,7 +22,7 @@ LARGEST = 50_000_000
 
 
 def orders_frame(orders: Iterable[tuple[str, OrderResult]]) -> pd.DataFrame:
-    """Make a data frame with a row per axis and order; what can't be had is NaN."""
+    """Make a data frame with a row per axis and order; what is unavailable is NaN."""
     import pandas as pd
 
     rows = [

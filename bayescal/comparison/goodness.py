@@ -68,7 +68,7 @@ class GoodnessOfFit:
     chi2 : float or None
         Sum of squared standardised residuals.
     dof : int
-        n - p; of r and c together 2n - p.
+        n - p; of r and c jointly 2n - p.
     chi2_reduced : float or None
         chi2 / dof.
     chi2_reduced_sd : float or None

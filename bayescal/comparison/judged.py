@@ -57,7 +57,7 @@ class Judged(Weighed):
     posterior : Posterior or None
         None of a model that was not sampled.
     loo : LeaveOneOut or None
-        None where it was not asked for, or can't be had.
+        None where it was not asked for, or is unavailable.
     probability : float or None
         Posterior probability among those compared; None under a flat prior.
     """

@@ -28,13 +28,13 @@ class Key:
     ----------
     family : str
     orders : tuple of int
-        Of r and c together in the separable family, else one.
+        Of r and of c in the separable family, else one.
     position : str
         ``"stated"`` or ``"free"``.
     noise : str
         Name of the noise model.
     axis : str or None
-        Of one axis; None: of r and c together.
+        Of one axis; None: joint, of r and c.
     """
 
     family: str

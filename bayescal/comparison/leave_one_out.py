@@ -39,7 +39,7 @@ CHUNK = 4_000_000
 
 @dataclass(frozen=True, eq=False)
 class LeaveOneOut:
-    """Expected log pointwise predictive density (elpd), however its terms were had.
+    """Expected log pointwise predictive density (elpd), however its terms were computed.
 
     Attributes
     ----------

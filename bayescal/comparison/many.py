@@ -19,7 +19,7 @@ from bayescal.polynomials import separable
 from bayescal.polynomials.whole import Whole
 from bayescal.rounding import grouped
 
-# The most points of which a defence is had.
+# The most points of which a defence is made.
 DEFENDED = 10_000
 # Place of the sample's random numbers among those of a seed.
 SAMPLE = 1000

@@ -67,7 +67,7 @@ def sampled_leave_one_out(
     """Leave each unit out by the weights of the draws.
 
     Where a unit's weights have a heavy tail, its term comes from the evidence `without` it, if
-    that is to be had, and that of all is certain: ln p(t_i | the others) = ln Z - ln Z_-i.
+    that can be computed, and that of all is certain: ln p(t_i | the others) = ln Z - ln Z_-i.
     None where the units are too many, too few, or the draws can't tell of one.
     """
     units = left_out(drawn.completed[:1]).shape[1]

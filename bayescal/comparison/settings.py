@@ -170,7 +170,7 @@ def noise_level(data: AxisData, settings: Settings, other: Array | None, order: 
     Raises
     ------
     InputError
-        Where the level asked for can't be had from these data.
+        Where these data do not give the level asked for.
     """
     pixels, level, source, _ = _pixel_noise(data, settings, other)
     shape = settings.noise_model(data)

@@ -1,4 +1,4 @@
-"""One store of draws: each candidate's posterior is had once, by its key."""
+"""One store of draws: each candidate's posterior is made once, by its key."""
 
 from __future__ import annotations
 

@@ -268,7 +268,7 @@ def _smallest(values: Mapping[int, float | None]) -> int | None:
 
 def _criteria_words(aic_name: str, aic_order: int | None, bic_order: int | None) -> str:
     if aic_order is None or bic_order is None:
-        return "AIC and BIC can't be had: an order fits exactly."
+        return "AIC and BIC are unavailable: an order fits exactly."
     if aic_order == bic_order:
         return f"{aic_name} and BIC prefer order {aic_order}."
     return f"{aic_name} prefers order {aic_order}, BIC order {bic_order}."

@@ -107,7 +107,7 @@ class FreePositionModel:
         return np.concatenate([*columns, self.position(full)], axis=1)
 
     def log_likelihood(self, full: Array) -> Array:
-        """Log density of each point, r and c together, ``(n_draws, n_points)``."""
+        """Log density of each point, r and c jointly, ``(n_draws, n_points)``."""
         position, total = self.position(full), np.zeros(1)
         for axis, (amplitudes, log_sigma, _) in zip(self.axes, self.parts(full), strict=True):
             total = total + axis.log_likelihood(position, amplitudes, log_sigma)

@@ -1,4 +1,4 @@
-"""Pixels of r and c together, with what is known of their noise."""
+"""Pixels of r and c jointly, with what is known of their noise."""
 
 from __future__ import annotations
 

@@ -126,7 +126,7 @@ class PinholeModel(ABC):
         return np.concatenate(columns, axis=1)
 
     def log_likelihood(self, full: Array) -> Array:
-        """Log density of each point, r and c together, ``(n_draws, n_points)``."""
+        """Log density of each point, r and c jointly, ``(n_draws, n_points)``."""
         return np.concatenate([self._log_likelihood(part) for part in self.in_parts(full)])
 
     def _log_likelihood(self, full: Array) -> Array:

@@ -67,7 +67,7 @@ class RobustPair:
         return np.concatenate([axis.report(part) for axis, part in parts], axis=1)
 
     def log_likelihood(self, full: Array) -> Array:
-        """Log density of each point, r and c together, ``(n_draws, n_points)``."""
+        """Log density of each point, r and c jointly, ``(n_draws, n_points)``."""
         r, c = self.log_likelihoods(full)
         return np.asarray(r + c)
 

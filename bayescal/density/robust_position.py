@@ -217,7 +217,7 @@ class RobustFreePosition:
         return np.concatenate([*columns, self.position(full)], axis=1)
 
     def log_likelihood(self, full: Array) -> Array:
-        """Log density of each point, r and c together, ``(n_draws, n_points)``."""
+        """Log density of each point, r and c jointly, ``(n_draws, n_points)``."""
         located = zip(self.axes, self.located(full), strict=True)
         r, c = (axis.log_density(residuals, part) for axis, (residuals, part) in located)
         return np.asarray(r + c)

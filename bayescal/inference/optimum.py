@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.inference.t_mixture import cholesky
 
 LogDensity = Callable[[Array], Array]
@@ -48,7 +48,7 @@ class Mode:
     def log_mass(self) -> float:
         """Log integral of the density in the Laplace approximation."""
         d = len(self.theta)
-        return self.value + d / 2 * math.log(2 * math.pi) + float(np.log(np.diag(self.root)).sum())
+        return self.value + d / 2 * LOG_2PI + float(np.log(np.diag(self.root)).sum())
 
 
 def find_modes(log_density: LogDensity, starts: Array) -> tuple[Mode, ...]:

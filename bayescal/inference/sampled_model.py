@@ -10,7 +10,7 @@ from bayescal.arrays import Array
 
 
 class SampledModel(Protocol):
-    """A likelihood model whose posterior and evidence are had by sampling alone.
+    """A likelihood model whose posterior and evidence come from sampling alone.
 
     Its sampled coordinates theta are unconstrained; parameters whose conditional is
     known in closed form (a sigma, a tau) may be integrated out of `log_prob` and drawn

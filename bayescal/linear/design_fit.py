@@ -102,7 +102,7 @@ def fit_design(design: Array, t: Array) -> DesignFit:
     if not (np.isfinite(design).all() and np.isfinite(t).all()):
         raise InputError("the design and the pixels must be finite")
     if n < p:
-        raise InputError(f"{p} coefficients can't be had from {counted(n, 'point')}; add points")
+        raise InputError(f"{p} coefficients can't be found from {counted(n, 'point')}; add points")
     norms = np.linalg.norm(design, axis=0)
     q, triangle = np.linalg.qr(design / np.where(norms > 0, norms, 1.0))
     values = np.linalg.svd(triangle, compute_uv=False)

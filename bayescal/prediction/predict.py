@@ -61,7 +61,7 @@ class Prediction:
     extrapolated : ndarray of bool
         Whether it lies beyond what a model was calibrated with, ``(n,)``.
     method : str
-        How means and deviations were had, in words.
+        How means and deviations were computed, in words.
     notes : tuple of str
         Where the method falls short.
     """
@@ -199,7 +199,7 @@ def _by_draws(member: Member, n: int) -> bool:
 
 
 def _words(members: tuple[Member, ...], n: int) -> str:
-    """Say how means and deviations of these models are had."""
+    """Say how means and deviations of these models are computed."""
     how = {
         "exact moments of the coefficients"
         if isinstance(m, PolynomialMember) and m.linear and m.parameters.exact

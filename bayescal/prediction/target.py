@@ -1,8 +1,8 @@
 r"""The pose of a known target in a new picture, with what the calibration leaves unknown in it.
 
 The pose is the least-squares one of the mean lens, as solvePnP's, averaged over the models where
-the camera is. Its covariance is had twice: by Monte Carlo (JCGM 101, 102), the pose solved anew
-for every draw of the posterior with new noise on the pixels, and linearly: with J the pixels'
+the camera is. Its covariance is computed twice: by Monte Carlo (JCGM 101, 102), the pose solved
+anew for every draw of the posterior with new noise on the pixels, and linearly: with J the pixels'
 derivatives by the pose, A = (J'WJ)^-1 J'W carries the pixels' covariance to the pose, where a
 one-sd step of the calibration's parameters moves the pixels by d and so the pose by -A d.
 """

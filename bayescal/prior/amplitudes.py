@@ -3,7 +3,7 @@ r"""Priors of the Legendre amplitudes, in pixels.
 ``field`` (the default): b_0 ~ N(size/2, (size/2)^2), b_1 ~ N(0, (size/2)^2) and,
 for j >= 2, b_j ~ N(0, (tau size)^2), with tau log-uniform from 0.01 px / size to 0.5,
 common to the coefficients of a model and inferred, or fixed. ``flat``: uniform and
-improper, so that no evidence can be had. ``stated``: the user's own normal prior
+improper, so that there is no evidence. ``stated``: the user's own normal prior
 of each amplitude.
 """
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtr, ndtri
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 
 Bounds = tuple[float, float]
 
@@ -28,4 +28,4 @@ def probit_of(log_value: float, log_bounds: Bounds, least: float = 0.001) -> flo
 
 def log_prior(probit: Array) -> Array:
     """Log density of the standard normal, of the probits' shape."""
-    return np.asarray(-(probit**2 + np.log(2 * np.pi)) / 2)
+    return np.asarray(-(probit**2 + LOG_2PI) / 2)

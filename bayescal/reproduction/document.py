@@ -28,7 +28,7 @@ def reproduction_document(reproduction: Reproduction, command: str) -> dict[str,
     Returns
     -------
     dict
-        JSON values only: what can't be had is None, never NaN. Points go by number,
+        JSON values only: what is unavailable is None, never NaN. Points go by number,
         from 1.
     """
     rule = reproduction.rule

@@ -128,7 +128,7 @@ class AxisReproduction:
 
     @property
     def best_on_common(self) -> OrderReproduction | None:
-        """The order of lowest BIC on the common points; None where that can't be had."""
+        """The order of lowest BIC on the common points; None where that is unavailable."""
         return _lowest_bic([(o, o.common) for o in self.orders])
 
     def gain_beyond(self, order: int) -> tuple[float, float]:

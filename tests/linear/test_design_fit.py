@@ -65,7 +65,7 @@ def test_exact_data_is_known_for_what_it_is():
     [
         (np.ones((3, 2)), np.ones(3), "1 of 2 coefficients"),
         (np.zeros((3, 1)), np.ones(3), "0 of 1 coefficients"),
-        (np.ones((1, 2)), np.ones(1), "2 coefficients can't be had from 1 point;"),
+        (np.ones((1, 2)), np.ones(1), "2 coefficients can't be found from 1 point;"),
         (np.ones((3, 1)), np.ones(2), "do not belong together"),
         (np.ones(3), np.ones(3), "do not belong together"),
         (np.ones((3, 0)), np.ones(3), "do not belong together"),

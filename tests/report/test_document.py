@@ -1,4 +1,4 @@
-"""The result document: its schema, its keys, and null for what can't be had."""
+"""The result document: its schema, its keys, and null for what is unavailable."""
 
 from __future__ import annotations
 

@@ -298,7 +298,10 @@ def test_only_orders_are_defended(families_run: Path) -> None:
         (("report", "RUN", "--outliers"), "which holds nothing else; leave out --outliers"),
         (("report", "RUN", "--sigma", "1"), "is a run, which has its own --sigma"),
         (("report", "ORDERS", "--radial", "all"), "--radial is of a pinhole: add --family pinhole"),
-        (("report", "--family", "separable", "--axis", "r"), "r and c together; drop --axis r"),
+        (
+            ("report", "--family", "separable", "--axis", "r"),
+            "joint models of r and c; drop --axis r",
+        ),
         (("report", "--family", "separable", "--prior", "flat"), "flat prior has no evidence"),
         (("report", "--family", "homography"), "'homography' is none of separable"),
         (("compare", "--family", "separable", "--radial-orders", "1"), "--radial-orders is of a"),
@@ -307,7 +310,7 @@ def test_only_orders_are_defended(families_run: Path) -> None:
         (("plot", "models"), "name a run that compare --family --out wrote"),
         (("plot", "models", "ORDERS"), "where a run holds 'bayescal.families/1'"),
         (("plot", "curve", "RUN", "--axis", "r"), "where a run holds 'bayescal.comparison/1'"),
-        (("plot", "models", "RUN", "--axis", "r"), "r and c together; leave out the axis"),
+        (("plot", "models", "RUN", "--axis", "r"), "joint, of r and c; leave out the axis"),
     ],
 )
 def test_bad_requests(

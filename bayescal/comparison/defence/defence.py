@@ -42,7 +42,7 @@ from bayescal.noise.model import NoiseModel
 from bayescal.points.groups import Groups
 
 LEFT_OUT = (
-    "Not to be had without a closed form: exact leave-one-out (PSIS takes its place), bootstrap, "
+    "Unavailable without a closed form: exact leave-one-out (PSIS takes its place), bootstrap, "
     "removal of groups, the evidence over fixed tau; the adequacy tests assume Gaussian noise."
 )
 

@@ -1,1 +1,1 @@
-"""Families of models of r and c together: built, sampled or weighed, and judged."""
+"""Families of joint models of r and c: built, sampled or weighed, and judged."""

@@ -84,7 +84,7 @@ def decisively_better(
 
     The pinhole of orders 0 and 1, at a free and at the stated position, and the pair of orders
     at a free position, by Laplace approximations of the evidence. None where 2 ln B is below
-    10, or where no such model can be had.
+    10, or where no such model can be fitted.
     """
     with threadpool_limits(1), np.errstate(all="ignore"):
         found = _rivals(points, axes, stated.orders, settings)

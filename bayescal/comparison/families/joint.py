@@ -1,4 +1,4 @@
-"""What every candidate of r and c together has in common: the data, and the way to its result."""
+"""What every joint candidate of r and c has in common: the data, and the way to its result."""
 
 from __future__ import annotations
 

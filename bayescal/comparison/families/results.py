@@ -59,7 +59,7 @@ class FamilyRequest:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointModel(Judged):
-    """One model of r and c together: what a candidate is judged by, and its likelihood.
+    """One joint model of r and c: what a candidate is judged by, and its likelihood.
 
     Attributes
     ----------

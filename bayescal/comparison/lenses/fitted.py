@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from bayescal.arrays import Array
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.calibration.error_grid import Node
 from bayescal.calibration.judge import LensEvidence, Setting, lens_evidence
 from bayescal.calibration.least_squares import Fit, rms
@@ -77,7 +77,7 @@ def judged_lens(
     else:
         k += 1
         log_likelihood = -n * (math.log(fit.sum_of_squares / (2 * n)) + 1)
-    log_likelihood += data.log_weight - n * math.log(2 * math.pi)
+    log_likelihood += data.log_weight - n * LOG_2PI
     aic, bic = (-2 * log_likelihood + k * each for each in (2, math.log(n)))
     return JudgedLens(
         key=LensKey(name=candidate.name),

@@ -34,7 +34,7 @@ def comparison_document(comparison: Comparison, command: str) -> dict[str, Any]:
     Returns
     -------
     dict
-        JSON values only: what can't be had is None, never NaN.
+        JSON values only: what is unavailable is None, never NaN.
     """
     axes = {name: _axis(axis) for name, axis in comparison.axes.items()}
     return {

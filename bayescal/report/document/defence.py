@@ -74,7 +74,7 @@ def noises_document(noises: Sequence[Weighed]) -> list[dict[str, Any]]:
 
 
 def adequacy_rows(tests: Sequence[AdequacyTest]) -> list[dict[str, Any]]:
-    """Give tests as JSON values: what can't be had is None, never NaN."""
+    """Give tests as JSON values: what is unavailable is None, never NaN."""
     return [
         {
             "name": test.name,

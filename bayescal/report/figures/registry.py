@@ -103,7 +103,7 @@ class FigureKind:
             raise InputError(f"{self.name} shows every order; leave out the order")
         if self.of in ("families", "lenses", CAMERA):
             if axis is not None:
-                raise InputError(f"{self.name} is of r and c together; leave out the axis")
+                raise InputError(f"{self.name} is joint, of r and c; leave out the axis")
             return maps_of(result) if self.of == CAMERA else result
         names = ", ".join(result.axes)
         if axis is not None and axis not in result.axes:

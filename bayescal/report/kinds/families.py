@@ -58,7 +58,7 @@ ASKED = frozenset(field.name for field in dataclasses.fields(FamilyRequest))
 
 
 class FamiliesKind(RunKind[FamilyComparison]):
-    """A comparison of models of r and c together."""
+    """A comparison of joint models of r and c."""
 
     result = FamilyComparison
     name = "families"

@@ -1,4 +1,4 @@
-"""Where the numbers come from, so that they can be had again."""
+"""Where the numbers come from, so that they can be made again."""
 
 from __future__ import annotations
 

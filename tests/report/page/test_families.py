@@ -84,7 +84,7 @@ def test_it_is_a_section_beside_orders(tmp_path: Path) -> None:
     headings = [a["id"] for t, a in found.tags if t == "h2"]
     assert headings.index("adequacy") < headings.index("families") < headings.index("residuals")
     words = "".join(found.words)
-    assert "Beside them, one model of r and c together was compared on the same pixels" in words
+    assert "Beside them, one joint model of r and c was compared on the same pixels" in words
     table = rows_of(made.read_text(encoding="utf-8"), "families-separable-1-1-stated")
     assert [row[:2] for row in table] == [[p["mean"], p["sd"]] for p in model["closed_form"]]
 

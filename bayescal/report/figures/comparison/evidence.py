@@ -23,7 +23,7 @@ def draw(subject: Subject) -> Figure:
     """Draw a curve per order, relative to the best of all, over a strip of who wins."""
     axis = subject.axis
     if axis.prior.name == "flat":
-        raise InputError("evidence can't be had under a flat prior")
+        raise InputError("evidence is unavailable under a flat prior")
     if axis.prior.name != "field":
         return _without_tau(axis)
     found = _sensitivity(axis)
@@ -54,7 +54,7 @@ def _sensitivity(axis: AxisComparison) -> TauSensitivity:
         r.order: r.posterior.exact.model for r in axis.orders if r.posterior.exact is not None
     }
     if len(models) < len(axis.orders):
-        raise InputError("evidence over fixed tau is had of models with a closed form only")
+        raise InputError("evidence over fixed tau is available only for models with a closed form")
     return tau_sensitivity(models)
 
 
@@ -116,7 +116,7 @@ def alt_text(subject: Subject) -> str:
     """Say which order wins at which tau."""
     axis = subject.axis
     if axis.prior.name == "flat":
-        raise InputError("evidence can't be had under a flat prior")
+        raise InputError("evidence is unavailable under a flat prior")
     if axis.prior.name != "field":
         values = ", ".join(f"order {k} {value:.1f}" for k, value in _evidences(axis).items())
         return f"Log evidence of {axis.data.axis} less the highest, nat: {values}."

@@ -56,7 +56,7 @@ def draw(subject: Subject) -> Figure:
 def _prediction(subject: Subject) -> dict[int, Prediction]:
     defence = subject.axis.defence
     if defence is None or not defence.prediction:
-        raise InputError("loo can't be had: some order is undetermined without a point")
+        raise InputError("loo is unavailable: some order is undetermined without a point")
     return defence.prediction
 
 

@@ -141,7 +141,7 @@ def models(found: FamilyComparison, rest: str) -> Tabled:
         "elpd: leave-one-out, r and c of a point together; +- its standard error; d elpd against "
         "the best, with the paired one.",
     )
-    caption = "Models of r and c together, the most probable first."
+    caption = "Joint models of r and c, the most probable first."
     notes = tuple(models_notes(found, rows, rest))
     return Tabled("families-models", caption, models_table(found, rows), notes, legend)
 

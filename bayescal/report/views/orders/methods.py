@@ -137,14 +137,15 @@ def _inference(comparison: Comparison, axes: Axes, cite: Cite) -> Iterable[str]:
 def _families(found: FamilyComparison) -> Iterable[str]:
     names = list(dict.fromkeys(m.key.family for m in found.models))
     places = sorted({m.key.position for m in found.models}, reverse=True)
-    one, together = len(found.models) == 1, "of r and c together"
+    one = len(found.models) == 1
     yield (
-        f"Beside them, {'one model' if one else f'{len(found.models)} models'} {together} "
+        f"Beside them, {'one joint model' if one else f'{len(found.models)} joint models'} "
+        "of r and c "
         f"{'was' if one else 'were'} compared on the same pixels (families: {', '.join(names)}; "
         f"camera position {' or '.join(places)}), families equally probable beforehand."
     )
     if not all(m.exact for m in found.models):
-        yield "Evidences without a closed form were had by importance sampling."
+        yield "Evidences without a closed form come from importance sampling."
 
 
 def _checks(axes: Axes, cite: Cite) -> Iterable[str]:
