@@ -25,6 +25,7 @@ def compare_families(
     position: Sequence[str] | None = None,
     radial: Radial = "even",
     radial_orders: Iterable[int] = RADIAL_ORDERS,
+    defend: bool = False,
     setup: GivenSetup = None,
     progress: Progress | None = None,
     **options: Unpack[Options],
@@ -45,6 +46,8 @@ def compare_families(
         ``"even"`` or ``"all"`` powers of the radius in the pinhole's distortion.
     radial_orders : iterable of int, optional
         Numbers of radial coefficients.
+    defend : bool, optional
+        Also say which points and groups the choice rests on.
     setup : Setup or str or Path, optional
         What is known of the camera, where the points don't know it.
     progress : callable, optional
@@ -62,7 +65,7 @@ def compare_families(
     InputError
         Where the points can't determine a model, or a setting is not usable.
     """
-    settings = Settings(**options, defend=False)
+    settings = Settings(**options, defend=defend)
     request = family_request(families, orders, position, radial, radial_orders)
     return compare_joint(points_of(points, setup), request, settings, progress)
 

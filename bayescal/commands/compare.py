@@ -60,12 +60,14 @@ def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     """Compare families of joint models of r and c."""
     from bayescal.api.families import compare_families
 
-    if options.axis in ("r", "c") or options.defend:
-        option = "--defend" if options.defend else f"--axis {options.axis}"
-        raise InputError(f"compare: families are joint models of r and c; drop {option}")
+    if options.axis in ("r", "c"):
+        drop = f"drop --axis {options.axis}"
+        raise InputError(f"compare: families are joint models of r and c; {drop}")
     check_output(options)
     points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     with shared.Progress(options, 2 * len(asked["families"])) as progress:
-        result = compare_families(points, progress=progress, **asked, **given)
+        result = compare_families(
+            points, progress=progress, defend=options.defend, **asked, **given
+        )
     return deliver(options, result)

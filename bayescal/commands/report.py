@@ -125,7 +125,7 @@ def _reopened(options: argparse.Namespace, asked: dict[str, Any] | None) -> Any:
 
     place = Path(options.points)
     kind = kind_at(place)
-    if kind.defended:
+    if kind.name == "comparison":
         return kind.open(place, defend=True)
     if options.outliers or asked is not None:
         what, of = ("--outliers", "outliers") if options.outliers else ("--family", "families")
@@ -157,7 +157,9 @@ def _families(
     orders = sorted({r.order for axis in result.axes.values() for r in axis.orders})
     given = {k: v for k, v in asdict(result.settings).items() if k != "defend"}
     with shared.Progress(options, 2 * len(asked["families"])) as progress:
-        return compare_families(result.points, orders=orders, progress=progress, **asked, **given)
+        return compare_families(
+            result.points, orders=orders, progress=progress, defend=True, **asked, **given
+        )
 
 
 def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy:

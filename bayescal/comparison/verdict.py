@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from bayescal.comparison.conclusion import Verdict
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.evidence import plausible_set, strength
 from bayescal.comparison.findings.finding import Finding, ordered
 from bayescal.comparison.order_result import OrderResult
 from bayescal.comparison.sufficiency import Sufficiency
-from bayescal.markup import bullets, paragraph
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.rounding import significant
 
 
-@dataclass(frozen=True)
-class AxisVerdict:
+@dataclass(frozen=True, kw_only=True)
+class AxisVerdict(Verdict):
     """What to conclude on one axis.
 
     Attributes
@@ -35,35 +35,20 @@ class AxisVerdict:
         The orders that AICc (AIC where AICc is not defined) and BIC prefer.
     aic_name : str
         Which of the two it is, ``"AICc"`` or ``"AIC"``.
-    findings : tuple of Finding
-        What stands against the verdict or limits it, the gravest first.
-    sentences : tuple of str
-        What follows the headline.
+    findings, sentences : tuple
+        As of `Verdict`.
     enough : Sufficiency or None
         How far the other plausible orders lie from the recommended one.
     """
 
     order: int | None
     plausible: tuple[int, ...]
-    chances: tuple[float, ...]
     log_bayes_factor_to_next: float | None
     strength: str | None
     aicc_order: int | None
     bic_order: int | None
-    findings: tuple[Finding, ...]
-    sentences: tuple[str, ...]
     enough: Sufficiency | None = None
     aic_name: str = "AICc"
-
-    @property
-    def withheld(self) -> tuple[str, ...]:
-        """Why nothing can be called decided, in a few words each."""
-        return tuple(dict.fromkeys(f.because for f in self.findings if f.withholds))
-
-    @property
-    def decided(self) -> bool:
-        """Whether one order alone is plausible, and nothing stands against the comparison."""
-        return len(self.plausible) == 1 and not self.withheld
 
     @property
     def outcome(self) -> str | None:
@@ -101,24 +86,9 @@ class AxisVerdict:
         return f"{chance}; {noun} {others} not excluded"
 
     @property
-    def caveats(self) -> tuple[str, ...]:
-        """The findings' sentences, the gravest first."""
-        return tuple(f.text for f in self.findings)
-
-    @property
-    def text(self) -> str:
-        """One paragraph: the headline, then what supports it."""
-        return " ".join((headline(self), *self.sentences))
-
-    def with_findings(self, more: Iterable[Finding], *sentences: str) -> AxisVerdict:
-        """Give the verdict with more findings, and more sentences behind it."""
-        found = ordered((*self.findings, *more))
-        said = (*self.sentences, *(s for s in sentences if s))
-        return replace(self, findings=found, sentences=said)
-
-    def _repr_html_(self) -> str:
-        """Show the verdict in a notebook."""
-        return paragraph(self.text) + bullets("Caveats", self.caveats)
+    def headline(self) -> str:
+        """The outcome in a sentence: decided, suffices, undecided, or the best compared."""
+        return _headline(self)
 
 
 def verdict_on(
@@ -166,7 +136,16 @@ def judge(
     found = ordered(findings)
     if probability is None or log_evidence is None:
         return AxisVerdict(
-            None, (), (), None, None, aicc_order, bic_order, found, (by_criteria,), None, aic_name
+            order=None,
+            plausible=(),
+            chances=(),
+            log_bayes_factor_to_next=None,
+            strength=None,
+            aicc_order=aicc_order,
+            bic_order=bic_order,
+            findings=found,
+            sentences=(by_criteria,),
+            aic_name=aic_name,
         )
     order = max(probability, key=lambda k: (probability[k], -k))
     plausible = plausible_set(probability)
@@ -184,21 +163,20 @@ def judge(
         agree = aicc_order == bic_order == order
         sentences.append(f"{aic_name} and BIC agree." if agree else by_criteria)
     return AxisVerdict(
-        order,
-        plausible,
-        tuple(probability[k] for k in plausible),
-        log_factor,
-        words,
-        aicc_order,
-        bic_order,
-        found,
-        tuple(sentences),
-        None,
-        aic_name,
+        order=order,
+        plausible=plausible,
+        chances=tuple(probability[k] for k in plausible),
+        log_bayes_factor_to_next=log_factor,
+        strength=words,
+        aicc_order=aicc_order,
+        bic_order=bic_order,
+        findings=found,
+        sentences=tuple(sentences),
+        aic_name=aic_name,
     )
 
 
-def headline(verdict: AxisVerdict) -> str:
+def _headline(verdict: AxisVerdict) -> str:
     """Say the outcome in a sentence: decided, suffices, undecided, or the best compared."""
     order = verdict.order
     if order is None:

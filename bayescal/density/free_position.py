@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, IntArray
 from bayescal.density.moving_axis import MovingAxis, Rows
 from bayescal.prior.camera import PositionPrior
 
@@ -37,7 +37,7 @@ class FreePositionModel:
     prior: PositionPrior
     start: Array
 
-    def without(self, point: int) -> FreePositionModel:
+    def without(self, point: int | IntArray) -> FreePositionModel:
         """Give the same model of the other points, its basis and priors kept."""
         r, c = self.axes
         return replace(self, axes=(r.without(point), c.without(point)))

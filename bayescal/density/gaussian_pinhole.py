@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bayescal.arrays import LOG_2PI, Array
+from bayescal.arrays import LOG_2PI, Array, IntArray
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
 from bayescal.density.joint_data import JointData
 from bayescal.density.pinhole import FRAME_TAU, PinholeModel
@@ -42,7 +42,7 @@ class GaussianPinhole(PinholeModel):
         start = likely_start(geometry, prior, data, fit.free, tau)
         return laplace(geometry, prior, data, start, tau)
 
-    def without(self, point: int) -> GaussianPinhole:
+    def without(self, point: int | IntArray) -> GaussianPinhole:
         """Give the same model of the other points, its priors kept."""
         geometry, data = self.geometry, self.data
         theta = geometry.full(self.fit.free[None])

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp
 
-from bayescal.arrays import LOG_2PI, Array
+from bayescal.arrays import LOG_2PI, Array, IntArray
 from bayescal.linear.evidence import Projection, Reduced, log_joint, tau_rule
 from bayescal.linear.quadrature import Accuracy, Rule, panels
 from bayescal.noise.level import NoiseLevel
@@ -85,7 +85,7 @@ class MovingAxis:
             self.data, frame=first if self.data.other is None else (*first, self.data.across)
         )
 
-    def without(self, point: int) -> MovingAxis:
+    def without(self, point: int | IntArray) -> MovingAxis:
         """Give the axis of the other points, its basis and priors kept."""
 
         def rest(values: Array | None) -> Array | None:
@@ -99,7 +99,7 @@ class MovingAxis:
             sd=rest(every.sd),
             x_sd=rest(every.x_sd),
             other=rest(every.other),
-            labels=labels[:point] + labels[point + 1 :],
+            labels=tuple(np.delete(np.array(labels, dtype=object), point).tolist()),
         )
         return replace(self, data=data, world=np.delete(self.world, point, axis=0))
 

@@ -25,7 +25,7 @@ from tests.helpers.problems import make_axis
 def problem(x, t, order, sd=None, sigma=None) -> Problem:
     data = make_axis(x, t, sd=sd)
     noise = NoiseLevel.inferred() if sigma is None else NoiseLevel.known(sigma)
-    return Problem(data, solve(factorise(data, order), order), noise)
+    return Problem.of(data, solve(factorise(data, order), order), noise)
 
 
 def refit(columns, t, sd=None) -> tuple[float, int, np.ndarray]:
@@ -276,7 +276,7 @@ def test_sigma_from_replicates_gives_no_chi_squared_p():
     x = np.repeat(np.linspace(-1, 1, 8), 2)
     data = make_axis(x, np.round(rng.normal(size=16) * 3))
     fit = solve(factorise(data, 1), 1)
-    found = Problem(data, fit, NoiseLevel.replicates(*pure_error(x, None, data.t)))
+    found = Problem.of(data, fit, NoiseLevel.replicates(*pure_error(x, None, data.t)))
     assert chi_squared(found).p_value is None
     assert "sigma of replicates" in whole_pixels(found).meaning
 
@@ -286,7 +286,7 @@ def test_an_inferred_scale_multiplies_the_deviations():
     x = np.linspace(-1, 1, 30)
     data = make_axis(x, np.round(rng.normal(size=30) * 8), sd=np.full(30, 2.0))
     fit = solve(factorise(data, 1), 1)
-    found = Problem(data, fit, NoiseLevel.scale())
+    found = Problem.of(data, fit, NoiseLevel.scale())
     assert chi_squared(found).p_value is None
     expected = 2 * fit.sigma_hat * np.sqrt(12)
     assert whole_pixels(found).value == pytest.approx(expected)

@@ -70,7 +70,7 @@ def test_the_library_opens_and_saves_it(run, tmp_path):
     bc.save_run(found, tmp_path / "again")
     for path in run.rglob("*.*"):
         assert (tmp_path / "again" / path.relative_to(run)).read_bytes() == path.read_bytes()
-    with pytest.raises(InputError, match="is no comparison of orders, which alone is defended"):
+    with pytest.raises(InputError, match="is no comparison, which alone is defended"):
         bc.open_run(run, defend=True)
 
 

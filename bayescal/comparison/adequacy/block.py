@@ -60,7 +60,7 @@ def adequacy(
         p-values adjusted for each other (Holm); concerns are marked.
     """
     rng = rng if rng is not None else np.random.default_rng(0)
-    problem = Problem(data, fit, noise)
+    problem = Problem.of(data, fit, noise)
     null = None if problem.unusable else simulated_residuals(problem.q, rng)
     tests = [
         chi_squared(problem),

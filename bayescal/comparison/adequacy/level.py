@@ -60,14 +60,14 @@ def whole_pixels(problem: Problem) -> AdequacyTest:
         return untested(name, "readings are not all whole numbers")
     if problem.data.sd is not None:
         inferred = problem.noise.value is None  # a factor on the deviations
-        factor = (problem.fit.sigma_hat if inferred else problem.noise.value) or 1.0
+        factor = (problem.sigma_hat if inferred else problem.noise.value) or 1.0
         sigma = float(np.median(problem.data.sd)) * factor
         whose = "the median sigma" if inferred else "the median known sigma"
     elif problem.noise.plug_in is not None:
         known = problem.noise.source == "known"
         sigma, whose = problem.noise.plug_in, "the known sigma" if known else "sigma of replicates"
-    elif problem.fit.sigma_hat is not None:
-        sigma, whose = problem.fit.sigma_hat, "sigma of the residuals"
+    elif problem.sigma_hat is not None:
+        sigma, whose = problem.sigma_hat, "sigma of the residuals"
     else:
         return untested(name, "readings are whole numbers, but no residual is left to compare")
     share = f"{100 * (WHOLE_PIXEL / sigma) ** 2:.0f} %" if sigma > WHOLE_PIXEL else "all"

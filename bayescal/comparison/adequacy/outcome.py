@@ -93,8 +93,9 @@ def concerns(tests: Sequence[AdequacyTest]) -> list[str]:
         if test.p_adjusted is not None:
             line += f" ({p_words(test.p_adjusted)} after Holm over {count} tests)"
         lines.append(line)
-    others = [t for t in tests if t.concern and t.p_value is not None and t.name != GROUPS]
-    if others and any(test.concern and test.name == GROUPS for test in tests):
+    worrying = [test for test in tests if test.concern and test.p_value is not None]
+    shared = [test for test in worrying if test.name.startswith(GROUPS)]
+    if 0 < len(shared) < len(worrying):
         lines.append(
             "the p-values of the other checks assume independent errors, which points that share "
             "a group do not have: read them as too small"

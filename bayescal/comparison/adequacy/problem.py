@@ -1,7 +1,8 @@
-"""A fitted order as its adequacy tests see it: an orthonormal design and residuals."""
+"""A fitted model as its adequacy tests see it: an orthonormal design and residuals."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,6 +17,8 @@ from bayescal.polynomials.basis import legendre_design
 # A column that the design explains up to this fraction of its length adds nothing
 # that could be told from rounding.
 NEW_DIRECTION = 1e-9
+# Singular value of a design of unit columns below which a direction is rounding.
+DEPENDENT = 1e-12
 # A residual whose variance is below this fraction of sigma^2 is rounding only.
 DETERMINED = 1e-8
 
@@ -58,18 +61,29 @@ class Extension:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """An axis, its fit and its noise level; what is weighted is in units of `sd`.
+    """An axis, a linear model of it and its noise level; what is weighted is in units of `sd`.
 
     Attributes
     ----------
     data : AxisData
-    fit : LeastSquaresFit
+        Of a model that is not linear: its residuals in place of t.
+    design : Array
+        Slopes of the predictions, ``(n_points, k)``; columns may depend on each other.
     noise : NoiseLevel
+    what : str
+        The model in words.
     """
 
     data: AxisData
-    fit: LeastSquaresFit
+    design: Array
     noise: NoiseLevel
+    what: str = "the model"
+
+    @classmethod
+    def of(cls, data: AxisData, fit: LeastSquaresFit, noise: NoiseLevel) -> Problem:
+        """Make the problem of a fitted order."""
+        design = legendre_design(scaled(data.x), fit.order)
+        return cls(data, design, noise, f"order {fit.order}")
 
     @property
     def n(self) -> int:
@@ -79,7 +93,12 @@ class Problem:
     @property
     def p(self) -> int:
         """Number of coefficients."""
-        return self.fit.order + 1
+        return int(self.q.shape[1])
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom of the residuals."""
+        return self.n - self.p
 
     @property
     def dof(self) -> int:
@@ -104,8 +123,14 @@ class Problem:
     @cached_property
     def q(self) -> Array:
         """Orthonormal basis of the weighted design, ``(n_points, p)``."""
-        design = legendre_design(self.s, self.fit.order) / self.sd[:, None]
-        return np.linalg.qr(design)[0]
+        weighted = self.design / self.sd[:, None]
+        lengths = np.linalg.norm(weighted, axis=0)
+        q, r = np.linalg.qr(weighted[:, lengths > 0] / lengths[lengths > 0])
+        u, size, _ = np.linalg.svd(r)
+        if size[-1] > DEPENDENT * size[0]:
+            return q
+        independent: Array = q @ u[:, size > DEPENDENT * size[0]]
+        return independent
 
     def residual(self, columns: Array) -> Array:
         """Part of weighted columns that the design does not explain."""
@@ -132,7 +157,12 @@ class Problem:
     @property
     def exact(self) -> bool:
         """Whether the residuals are rounding only."""
-        return self.fit.exact or self.rss <= self.rounding
+        return self.rss <= self.rounding
+
+    @property
+    def sigma_hat(self) -> float | None:
+        """Unbiased noise level of the residuals; None where none is left."""
+        return math.sqrt(self.rss / self.dof) if self.dof > 0 else None
 
     @property
     def unusable(self) -> str | None:

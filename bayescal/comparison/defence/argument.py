@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.defence.results import Defence, Prediction
-from bayescal.comparison.defence.stability import Beyond
+from bayescal.comparison.defence.stability import Beyond, Removal
 from bayescal.comparison.findings.beyond_range import beyond_range
 from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.verdict import AxisVerdict, percent
@@ -37,7 +37,9 @@ def argue(
         _tau(verdict.order, defence, size),
         _resampled(defence, verdict.order),
     ]
-    text += [_removals(defence), _disagreement(verdict, criteria)]
+    removed = defence.points_that_matter, defence.groups_that_matter
+    text.append(removal_words(*removed, grouped=defence.group_source is not None))
+    text.append(_disagreement(verdict, criteria))
     text.append(_leave_one_out(verdict.order, defence.prediction))
     more = []
     clear = _clear_contradiction(verdict.order, defence.prediction)
@@ -100,25 +102,21 @@ def _resampled(defence: Defence, order: int) -> str:
     return f"It wins in {' and '.join(parts)}." if parts else ""
 
 
-def _removals(defence: Defence) -> str:
-    lists = [("point", defence.points_that_matter), ("group", defence.groups_that_matter)]
+def removal_words(points: Sequence[Removal], groups: Sequence[Removal], *, grouped: bool) -> str:
+    """Say which points' and, where they are `grouped`, groups' removal changes the winner."""
     parts = []
-    for kind, found in lists:
-        if kind == "group" and defence.group_source is None:
-            continue
+    for kind, found in (("point", points), *((("group", groups),) if grouped else ())):
         if not found:
             parts.append(f"no single {kind}'s removal changes it")
             continue
         shown = [
             f"without {kind} {r.name}"
             + (f" ({counted(r.size, 'point')})" if kind == "group" else "")
-            + f" order {r.order} would win (ln B {r.log_bayes_factor:.1f})"
+            + f" {r.winner} would win (ln B {r.log_bayes_factor:.1f})"
             for r in found[:4]
         ]
         more = f" and {len(found) - 4} more" if len(found) > 4 else ""
         parts.append(", ".join(shown) + more)
-    if not parts:
-        return ""
     joined = "; ".join(parts)
     return joined[0].upper() + joined[1:] + "."
 

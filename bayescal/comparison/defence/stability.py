@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.evidence import probabilities
+from bayescal.comparison.key import Key
 from bayescal.errors import InputError
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.evidence import log_evidences
@@ -21,6 +23,7 @@ from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import distinct_values
 from bayescal.prior.amplitudes import PriorRule
 
+Named = TypeVar("Named", int, Key)
 RESAMPLES = 1000
 BEYOND = 3
 
@@ -35,16 +38,21 @@ class Removal:
         Label of the point, or name of the group.
     size : int
         Points removed.
-    order : int
-        The order that wins without them.
+    order : int or Key
+        The order, or the model of r and c together, that wins without them.
     log_bayes_factor : float
-        ln B of that order against the recommended one, without them.
+        ln B of it against the recommended one, without them.
     """
 
     name: str
     size: int
-    order: int
+    order: int | Key
     log_bayes_factor: float
+
+    @property
+    def winner(self) -> str:
+        """What wins without them, in words."""
+        return str(self.order) if isinstance(self.order, Key) else f"order {self.order}"
 
 
 @dataclass(frozen=True)
@@ -85,7 +93,7 @@ class Beyond:
 
 
 def removals(
-    names: Sequence[str], sizes: Sequence[int], without: Mapping[int, Array], chosen: int
+    names: Sequence[str], sizes: Sequence[int], without: Mapping[Named, Array], chosen: Named
 ) -> tuple[Removal, ...]:
     """Find the points or groups whose removal changes the winner.
 
@@ -93,10 +101,10 @@ def removals(
     ----------
     names, sizes : sequence
         Of the points or groups.
-    without : mapping of int to Array
-        By order, log evidence without each of them, ``(n_removed,)``.
-    chosen : int
-        The recommended order.
+    without : mapping of int or Key to Array
+        By order or model, log evidence without each of them, ``(n_removed,)``.
+    chosen : int or Key
+        The recommended one.
 
     Returns
     -------

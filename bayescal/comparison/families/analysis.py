@@ -2,26 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 from threadpoolctl import threadpool_limits
 
+from bayescal.comparison.adequacy.outcome import AdequacyTest
 from bayescal.comparison.axis import Axis
-from bayescal.comparison.families.caveats import family_caveats
+from bayescal.comparison.families.caveats import family_findings
+from bayescal.comparison.families.defence import defence_words, defend
 from bayescal.comparison.families.free import free_pairs
+from bayescal.comparison.families.further import Listing, beyond_compared
 from bayescal.comparison.families.models import LINEAR, Wanted, linear_axes, noise_levels
 from bayescal.comparison.families.pinholes import pinholes
-from bayescal.comparison.families.results import FamilyComparison, FamilyRequest, JointModel
+from bayescal.comparison.families.residuals import residual_tests
+from bayescal.comparison.families.results import (
+    FamilyComparison,
+    FamilyDefence,
+    FamilyRequest,
+    GroupedErrors,
+    JointModel,
+)
 from bayescal.comparison.families.stated import stated_pairs
-from bayescal.comparison.families.verdict import judge_families
+from bayescal.comparison.families.verdict import FamilyVerdict, judge_families
 from bayescal.comparison.judging import Candidate, judge_all
 from bayescal.comparison.key import FAMILIES, FREE, PINHOLE, STATED, Key
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.groups import groups_of
 from bayescal.points.notes import point_notes
 from bayescal.polynomials import separable
 from bayescal.prior.camera import check_inferred, pinhole_prior, position_prior
@@ -62,21 +74,24 @@ def compare_joint(
     with threadpool_limits(1):
         axes = {f: linear_axes(points, f, settings, highest) for f in families if f in LINEAR}
         levels = noise_levels(points, settings, highest)
+
+        def listing(family: str, position: str, orders: Sequence[tuple[int, ...]]) -> list[Any]:
+            if family == PINHOLE:
+                wanted = replace(request, radial_orders=tuple(k for (k,) in orders))
+                return list(pinholes(points, wanted, position, levels.data, settings, kept))
+            listed = stated_pairs if position == STATED else free_pairs
+            pairs = [Wanted(o, o[0], o[-1]) for o in orders]
+            return list(listed(family, axes[family], pairs, points, settings, kept))
+
         # All are fitted, and what can't be fitted is refused, before any is sampled.
         candidates: list[Candidate[JointModel]] = []
         for family in families:
             for position in request.positions_of(family):
-                if family == PINHOLE:
-                    candidates += pinholes(points, request, position, levels.data, settings, kept)
-                    continue
-                listed = stated_pairs if position == STATED else free_pairs
-                candidates += listed(
-                    family, axes[family], _wanted(family, request), points, settings, kept
-                )
+                candidates += listing(family, position, _orders(family, request))
         found = judge_all(candidates, kept, settings, _told(progress))
-    # Probabilities too small for a double are zero, and still have an order.
-    models = tuple(sorted(found, key=lambda m: (-(m.probability or 0.0), -m.log_evidence)))
-    verdict = judge_families(models, family_caveats(points, models))
+        # Probabilities too small for a double are zero, and still have an order.
+        models = tuple(sorted(found, key=lambda m: (-(m.probability or 0.0), -m.log_evidence)))
+        looked = _looked_at(points, models, candidates, listing, kept, settings)
     priors = _prior_words(points, request, axes, settings)
     notes = point_notes(points)
     if _world_errors(points):
@@ -90,10 +105,51 @@ def compare_joint(
         settings,
         priors,
         levels.words,
-        verdict,
+        looked.verdict,
         tuple(notes),
+        looked.tests,
+        looked.grouped,
+        looked.defence,
         derived=kept.derived,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Looked:
+    """What is found about the models once they are judged."""
+
+    verdict: FamilyVerdict
+    tests: tuple[AdequacyTest, ...] = ()
+    grouped: GroupedErrors | None = None
+    defence: FamilyDefence | None = None
+
+
+def _looked_at(
+    points: Correspondences,
+    models: Sequence[JointModel],
+    candidates: Sequence[Candidate[JointModel]],
+    listing: Listing,
+    store: Store,
+    settings: Settings,
+) -> _Looked:
+    """Form the verdict; under Gaussian noise the residuals are tested, and orders beyond tried."""
+    if settings.choice.robust:
+        return _Looked(judge_families(models, family_findings(points, models)))
+    known: dict[Key, Any] = {candidate.key: candidate for candidate in candidates}
+    best = known[models[0].key].linearised()
+    exact = models[0].criteria.log_likelihood is None
+    tests = () if exact else residual_tests(points, best)
+    findings = [*family_findings(points, models, tests), *beyond_compared(models, listing)]
+    verdict, groups, grouped = judge_families(models, findings), groups_of(points), None
+    spread = None if groups is None or exact else best.spread_over(groups.members)
+    if groups is not None and spread is not None:
+        sd = dict(zip(best.names, spread.tolist(), strict=True))
+        grouped = GroupedErrors(groups.source, len(groups.names), sd)
+    if not settings.defend or len(models) < 2:
+        return _Looked(verdict, tests, grouped)
+    defence = defend(points, models, known, store)
+    argued = verdict.with_findings((), defence_words(defence))
+    return _Looked(argued, tests, grouped, defence)
 
 
 def _told(progress: Progress | None) -> Callable[[Key], None]:
@@ -133,12 +189,12 @@ def check_request(request: FamilyRequest, settings: Settings) -> None:
         raise InputError("a flat prior has no evidence, which families are compared by; drop it")
 
 
-def _wanted(family: str, request: FamilyRequest) -> list[Wanted]:
-    orders = request.orders
+def _orders(family: str, request: FamilyRequest) -> list[tuple[int, ...]]:
+    """List the orders wanted of a family."""
     if family != separable.NAME:
-        return [Wanted((k,), k, k) for k in orders]
-    pairs = request.pairs if request.pairs is not None else product(orders, orders)
-    return [Wanted((k, m), k, m) for k, m in pairs]
+        return [(k,) for k in (request.radial_orders if family == PINHOLE else request.orders)]
+    orders = request.orders
+    return list(request.pairs if request.pairs is not None else product(orders, orders))
 
 
 def _prior_words(

@@ -1,15 +1,18 @@
-"""What limits a verdict across families, in words."""
+"""What stands against a verdict across families, or limits it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.comparison.adequacy.outcome import AdequacyTest
 from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.findings.bounds import PILE
+from bayescal.comparison.findings.finding import Finding, limits, overturns
+from bayescal.comparison.findings.misfit import GRAVE, concerning
 from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.comparison.leave_one_out import paired_difference
 from bayescal.density.pinhole import PinholeModel
@@ -23,15 +26,48 @@ from bayescal.rounding import counted
 FAR = 3.0  # standard deviations
 
 
-def family_caveats(points: Correspondences, models: Sequence[JointModel]) -> list[str]:
-    """Say what a reviewer should know of the verdict; the most probable model is the first."""
+def family_findings(
+    points: Correspondences, models: Sequence[JointModel], tests: Sequence[AdequacyTest] = ()
+) -> list[Finding]:
+    """Find what a reviewer should know of the verdict; the most probable model is the first.
+
+    Parameters
+    ----------
+    tests : sequence of AdequacyTest, optional
+        Of the most probable model's residuals.
+    """
+    found = [*_chi_squared(models[0]), *concerning(tests)]
+    bounds = {f"sigma_{a}": sigma_bounds(separable.axis_pixel(points, a)) for a in AXES}
+    for text in _at_bounds(models[0], bounds):
+        found.append(overturns("sigma-bound", text, "sigma lies at a bound of its prior"))
+    return [*found, *(limits("families", text) for text in _limits(points, models, bounds))]
+
+
+def _chi_squared(best: JointModel) -> Iterator[Finding]:
+    """Say where chi-squared rejects the most probable model at the known sigma."""
+    good = best.goodness
+    if good is None or good.p_value is None or good.p_value >= GRAVE:
+        return
+    yield overturns(
+        "chi-squared",
+        f"chi-squared rejects {best.key} at the known sigma (chi2/dof {good.chi2_reduced:.3g}): "
+        "sigma is stated too small, or the model is not the right one",
+        "it does not describe the points to within the known sigma",
+    )
+
+
+def _limits(
+    points: Correspondences,
+    models: Sequence[JointModel],
+    bounds: Mapping[str, tuple[float, float]],
+) -> list[str]:
+    """Say what limits the verdict without standing against it."""
     chances = [m.probability or 0.0 for m in models]
     out: list[str] = []
-    bounds = {f"sigma_{a}": sigma_bounds(separable.axis_pixel(points, a)) for a in AXES}
     matter = [model for model, chance in zip(models, chances, strict=True) if chance >= 0.01]
     for model in matter:
         out += [f"the evidence of {model.key}: {warning}" for warning in model.warnings]
-        out += _at_bounds(model, bounds)
+        out += _at_bounds(model, bounds) if model is not models[0] else []
         if model.posterior is not None and not model.posterior.converged:
             out.append(f"sampling of {model.key} did not reach the stopping rule")
     heavy = [str(m.key) for m in matter if m.loo is not None and (m.loo.largest_k or 0.0) > 1]

@@ -14,10 +14,11 @@ from functools import partial
 import numpy as np
 from scipy.special import logsumexp
 
-from bayescal.arrays import frozen
+from bayescal.arrays import Array, frozen
 from bayescal.comparison.axis import Axis
 from bayescal.comparison.criteria import robust_criteria
 from bayescal.comparison.families.joint import Likelihood, LinearPair, judged_by
+from bayescal.comparison.families.linearised import Linearised, of_pair
 from bayescal.comparison.families.models import (
     Wanted,
     checked_axes,
@@ -125,6 +126,21 @@ class GaussianFreePair(_FreePair):
         )
         # What a draw says given the other points is no in-sample density.
         return found if found.loo is None else replace(found, loo=replace(found.loo, p_eff=None))
+
+    @property
+    def approximate(self) -> float:
+        """Log evidence, by Laplace's approximation."""
+        return self.log_mass
+
+    def without_groups(self, members: Array) -> Array:
+        """Give the same without each group, `members` ``(n_groups, n_points)``."""
+        rest = [self.model.without(np.flatnonzero(group)) for group in members]
+        return np.array([position_mode(model).log_mass for model in rest])
+
+    def linearised(self) -> Linearised:
+        """About its highest likelihood."""
+        pair, start = self.wanted.pair, self.model.start
+        return of_pair(self.points, self.axes, pair, start, free=True)
 
     def _sampled(self, rng: np.random.Generator, ess: int) -> SampledPosterior:
         guess = Guess(mixture_about(self.modes, np.zeros(1)), self.modes)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.axis import Axis
 from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.families.linearised import Linearised
 from bayescal.comparison.families.models import (
     Wanted,
     joint_criteria,
@@ -42,6 +43,28 @@ class Likelihood:
     def of(cls, data: JointData, rss: Array, k: int) -> Likelihood:
         """Collect what the weighted `rss` of each axis, ``(2,)``, says of `k` parameters."""
         return cls(joint_criteria(data, rss, k), joint_goodness(data, rss, k))
+
+
+class Gaussian(Protocol):
+    """What a candidate of Gaussian noise can say of itself without draws."""
+
+    @property
+    def key(self) -> Key:
+        """Which it is."""
+        ...
+
+    @property
+    def approximate(self) -> float:
+        """Log evidence, in closed form or by Laplace's approximation."""
+        ...
+
+    def without_groups(self, members: Array) -> Array:
+        """Give the same without each group, `members` ``(n_groups, n_points)``."""
+        ...
+
+    def linearised(self) -> Linearised:
+        """About its highest likelihood."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from scipy.special import logsumexp
 
-from bayescal.arrays import frozen
+from bayescal.arrays import Array, frozen
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families.joint import Likelihood, judged_by
+from bayescal.comparison.families.linearised import Linearised, of_pinhole
 from bayescal.comparison.families.models import gaussian_pinhole, robust_pinhole
 from bayescal.comparison.families.results import FamilyRequest, JointModel
 from bayescal.comparison.key import PINHOLE, Key
@@ -90,6 +92,20 @@ class GaussianPinholeCandidate(PinholeCandidate):
         """Sample it by Laplace approximations at a ladder of tau."""
         modes, log_mass = ladder(self.model)
         return sample_model(self.model, rng, ess, Guess(mixture_about(modes, log_mass), modes[:1]))
+
+    @property
+    def approximate(self) -> float:
+        """Log evidence, by Laplace's approximation."""
+        return float(logsumexp(ladder(self.model)[1]))
+
+    def without_groups(self, members: Array) -> Array:
+        """Give the same without each group, `members` ``(n_groups, n_points)``."""
+        rest = [self.model.without(np.flatnonzero(group)) for group in members]
+        return np.array([logsumexp(ladder(model)[1]) for model in rest])
+
+    def linearised(self) -> Linearised:
+        """About its highest likelihood."""
+        return of_pinhole(self.model)
 
     def without(self, seed: int) -> Without:
         """Weigh draws of the other points' Laplace approximations."""

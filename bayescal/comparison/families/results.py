@@ -9,12 +9,15 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.judged import Judged
-from bayescal.comparison.key import FREE, PINHOLE, STATED, Key
+from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.points.correspondences import Correspondences
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
     from bayescal.cameras.pinhole import Radial
+    from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.criteria import Criteria
+    from bayescal.comparison.defence.stability import Removal
+    from bayescal.comparison.families.verdict import FamilyVerdict
     from bayescal.comparison.goodness import GoodnessOfFit
     from bayescal.comparison.settings import Settings
     from bayescal.density.pinhole import PinholeModel
@@ -102,31 +105,42 @@ class JointModel(Judged):
 
 
 @dataclass(frozen=True, eq=False)
-class FamilyVerdict:
-    """What to conclude of family, order and position together.
+class GroupedErrors:
+    """Deviations of a model's parameters by the jackknife over groups of points.
 
     Attributes
     ----------
-    best : Key
-    plausible : tuple of Key
-        Smallest set, by falling probability, that reaches 0.95.
-    decided : bool
-    families, positions : dict of str to float
-        Probability of each family and of each treatment of the position.
-    log_bayes_factor : float or None
-        ln B of the best model against the best of any other family.
-    caveats : tuple of str
-    text : str
+    source : str
+        What makes a group: ``"column group"`` or ``"plane z"``.
+    count : int
+        Groups.
+    sd : dict of str to float
+        Of each parameter but those of the noise, in its unit.
     """
 
-    best: Key
-    plausible: tuple[Key, ...]
-    decided: bool
-    families: dict[str, float]
-    positions: dict[str, float]
-    log_bayes_factor: float | None
-    caveats: tuple[str, ...]
-    text: str
+    source: str
+    count: int
+    sd: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class FamilyDefence:
+    """Answers to a referee, on models of r and c together.
+
+    Attributes
+    ----------
+    points_that_matter, groups_that_matter : tuple of Removal
+        Whose removal makes another model the most probable.
+    group_source : str or None
+        What makes a group.
+    groups : int
+        How many groups were taken out in turn; 0 where none were.
+    """
+
+    points_that_matter: tuple[Removal, ...]
+    groups_that_matter: tuple[Removal, ...]
+    group_source: str | None
+    groups: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,6 +162,12 @@ class FamilyComparison:
         How the noise level of r and of c was chosen.
     verdict : FamilyVerdict
     notes : tuple of str
+    adequacy : tuple of AdequacyTest
+        Of the most probable model's residuals, where the noise is Gaussian.
+    grouped : GroupedErrors or None
+        Of the most probable model, where the noise is Gaussian and points have groups.
+    defence : FamilyDefence or None
+        Answers to a referee, where they were asked for.
     origin : dict or None
         As of `bayescal.comparison.results.Comparison`.
     derived : dict of str to Any
@@ -162,6 +182,9 @@ class FamilyComparison:
     noise: tuple[str, ...]
     verdict: FamilyVerdict
     notes: tuple[str, ...]
+    adequacy: tuple[AdequacyTest, ...] = ()
+    grouped: GroupedErrors | None = None
+    defence: FamilyDefence | None = None
     origin: dict[str, Any] | None = None
     derived: dict[str, Any] = field(default_factory=dict, repr=False)
 

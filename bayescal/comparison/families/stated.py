@@ -9,10 +9,12 @@ from functools import partial
 
 import numpy as np
 
-from bayescal.arrays import frozen
+from bayescal.arrays import Array, frozen
 from bayescal.comparison.axis import Axis
 from bayescal.comparison.criteria import robust_criteria
+from bayescal.comparison.defence.stability import without_groups
 from bayescal.comparison.families.joint import Likelihood, LinearPair, result_of
+from bayescal.comparison.families.linearised import Linearised, of_pair
 from bayescal.comparison.families.models import Wanted, checked_axes, joint_data
 from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.key import Key
@@ -52,6 +54,23 @@ class ExactPair(LinearPair):
             residuals=self.residuals(place),
             exact=(r, c),
         )
+
+    @property
+    def approximate(self) -> float:
+        """Log evidence, in closed form."""
+        return self.r.exact.log_integral + self.c.exact.log_integral
+
+    def without_groups(self, members: Array) -> Array:
+        """Give the same without each group, `members` ``(n_groups, n_points)``."""
+        named = zip(self.axes, self.wanted.pair, strict=True)
+        return np.asarray(
+            sum(without_groups(a.data, {k: a.linear(k)}, members)[k] for a, k in named)
+        )
+
+    def linearised(self) -> Linearised:
+        """About its highest likelihood."""
+        place = self.points.setup.position
+        return of_pair(self.points, self.axes, self.wanted.pair, np.array(place), free=False)
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,6 +25,8 @@ BECAUSE = {
     "other coordinate": "residuals depend on the other coordinate",
     "shared errors": "points share errors",
     "normality": "the noise is not normal",
+    "surface": "residuals depend on the place in the image",
+    "neighbours": "neighbouring residuals are alike",
 }
 
 

@@ -16,7 +16,12 @@ from bayescal.noise.student_t import RATE, SHAPE, StudentT
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.document.defence import adequacy_rows, defence_document
 from bayescal.report.document.order import order_document
-from bayescal.report.document.shared import by_order, points_facts, provenance
+from bayescal.report.document.shared import (
+    by_order,
+    findings_facts,
+    points_facts,
+    provenance,
+)
 from bayescal.report.numbers import point_chances
 
 SCHEMA = "bayescal.comparison/1"
@@ -97,10 +102,7 @@ def _axis(axis: AxisComparison) -> dict[str, Any]:
             "outcome": verdict.outcome,
             "decided": verdict.decided,
             "suffices": None if verdict.enough is None else sufficiency_document(verdict.enough),
-            "findings": [
-                {"kind": f.kind, "severity": f.severity.name.lower(), "text": f.text}
-                for f in verdict.findings
-            ],
+            "findings": findings_facts(verdict.findings),
             "log_bayes_factor_to_next": verdict.log_bayes_factor_to_next,
             "strength": verdict.strength,
             "aicc_order": verdict.aicc_order,

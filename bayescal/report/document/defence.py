@@ -30,8 +30,8 @@ def defence_document(defence: Defence) -> dict[str, Any]:
             "possible": [{"order": w.order, "tau": [w.lower, w.upper]} for w in tau.possible],
         },
         "groups": defence.group_source,
-        "points_that_matter": [_removal(r) for r in defence.points_that_matter],
-        "groups_that_matter": [_removal(r) for r in defence.groups_that_matter],
+        "points_that_matter": removal_rows(defence.points_that_matter),
+        "groups_that_matter": removal_rows(defence.groups_that_matter),
         "bootstrap": [_bootstrap(b) for b in defence.resampled],
         "beyond": None
         if beyond is None
@@ -47,13 +47,17 @@ def defence_document(defence: Defence) -> dict[str, Any]:
     }
 
 
-def _removal(removal: Removal) -> dict[str, Any]:
-    return {
-        "name": removal.name,
-        "points": removal.size,
-        "order": removal.order,
-        "log_bayes_factor": removal.log_bayes_factor,
-    }
+def removal_rows(removals: Sequence[Removal]) -> list[dict[str, Any]]:
+    """Give points or groups whose removal changes the winner, an order or a model's name."""
+    return [
+        {
+            "name": removal.name,
+            "points": removal.size,
+            "order": removal.order if isinstance(removal.order, int) else str(removal.order),
+            "log_bayes_factor": removal.log_bayes_factor,
+        }
+        for removal in removals
+    ]
 
 
 def _bootstrap(found: Bootstrap) -> dict[str, Any]:

@@ -6,12 +6,19 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-from bayescal.comparison.families.results import FamilyComparison, FamilyRequest, JointModel
+from bayescal.comparison.families.results import (
+    FamilyComparison,
+    FamilyDefence,
+    FamilyRequest,
+    JointModel,
+)
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.weak import weak_combinations
 from bayescal.inference.sampled_posterior import SampledPosterior
+from bayescal.report.document.defence import adequacy_rows, removal_rows
 from bayescal.report.document.shared import (
     evidence_facts,
+    findings_facts,
     finite,
     interval_facts,
     points_facts,
@@ -50,6 +57,7 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
             "best": str(verdict.best),
             "plausible": [str(name) for name in verdict.plausible],
             "decided": verdict.decided,
+            "findings": findings_facts(verdict.findings),
             "families": verdict.families,
             "positions": verdict.positions,
             "log_bayes_factor_to_other_family": verdict.log_bayes_factor,
@@ -57,14 +65,25 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
             "text": verdict.text,
         },
         "notes": list(found.notes),
+        "adequacy": adequacy_rows(found.adequacy) if found.adequacy else None,
+        "grouped": None if found.grouped is None else asdict(found.grouped),
+        "defence": None if found.defence is None else _defence(found.defence),
+    }
+
+
+def _defence(found: FamilyDefence) -> dict[str, Any]:
+    return {
+        "group_source": found.group_source,
+        "groups": found.groups,
+        "points_that_matter": removal_rows(found.points_that_matter),
+        "groups_that_matter": removal_rows(found.groups_that_matter),
     }
 
 
 def settings_facts(request: FamilyRequest, settings: Settings) -> dict[str, Any]:
     """Collect what was asked for: which models, and how they are to be judged."""
-    asked = {k: v for k, v in asdict(settings).items() if k != "defend"}  # families have none
     wanted = {k: list(v) if isinstance(v, tuple) else v for k, v in asdict(request).items()}
-    return {**wanted, **asked}
+    return {**wanted, **asdict(settings)}
 
 
 def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str, Any]:

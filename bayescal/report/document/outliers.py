@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy
-from bayescal.report.document.shared import by_order, points_facts, provenance
+from bayescal.report.document.shared import (
+    by_order,
+    findings_facts,
+    points_facts,
+    provenance,
+)
 
 SCHEMA = "bayescal.outliers/1"
 
@@ -70,10 +75,7 @@ def _axis_document(axis: AxisOutliers) -> dict[str, Any]:
             }
             for p in axis.points
         ],
-        "findings": [
-            {"kind": f.kind, "severity": f.severity.name.lower(), "text": f.text}
-            for f in axis.findings
-        ],
+        "findings": findings_facts(axis.findings),
         "explanations": list(axis.explanations),
         "shared": [
             {

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib.metadata import version
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from bayescal.comparison.findings.finding import Finding
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
 from bayescal.points.correspondences import Correspondences
 from bayescal.version import __version__
@@ -70,6 +71,11 @@ def points_facts(points: Correspondences) -> dict[str, Any]:
         "c_from_bottom": setup.c_from_bottom,
         "assumed": list(setup.assumed),
     }
+
+
+def findings_facts(findings: Iterable[Finding]) -> list[dict[str, str]]:
+    """Give findings with their kind and severity."""
+    return [{"kind": f.kind, "severity": f.severity.name.lower(), "text": f.text} for f in findings]
 
 
 def summary_facts(p: ParameterSummary) -> dict[str, Any]:

@@ -37,7 +37,7 @@ class ResidualPoints:
     @classmethod
     def of(cls, axis: AxisComparison, result: OrderResult) -> ResidualPoints:
         """Collect the residuals of an order."""
-        problem = Problem(axis.data, result.fit, axis.noise)
+        problem = Problem.of(axis.data, result.fit, axis.noise)
         named: tuple[int, ...] = ()
         if problem.unusable is None:
             size = np.abs(problem.studentised)
@@ -51,7 +51,7 @@ class ResidualPoints:
         if self.problem.data.sd is not None:
             return None
         known = self.problem.noise.value
-        return known if known is not None else self.problem.fit.sigma_hat
+        return known if known is not None else self.problem.sigma_hat
 
     @property
     def level(self) -> str:

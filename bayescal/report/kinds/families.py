@@ -68,6 +68,7 @@ class FamiliesKind(RunKind[FamilyComparison]):
     made_by = "compare --family"
     shape = SHAPE
     beside = ASKED
+    defended = True
 
     def document(self, result: FamilyComparison, command: str) -> dict[str, Any]:
         """Build its document."""

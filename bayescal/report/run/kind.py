@@ -175,7 +175,7 @@ class RunKind(Kind[Result]):
         """
         run = RunFiles.at(folder, self.schema, self.made_by, self.shape)
         if defend is not None and not self.defended:
-            raise InputError(f"{folder}: is no comparison of orders, which alone is defended")
+            raise InputError(f"{folder}: is no comparison, which alone is defended")
         asked = run.settings(self.beside)
         settings = asked if defend is None else replace(asked, defend=defend)
         try:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.families.caveats import family_caveats
+from bayescal.comparison.families.caveats import family_findings
 from bayescal.points.camera import StatedCamera
 from tests.helpers.cameras import TURNED, turned_points
 
@@ -24,7 +24,7 @@ def test_a_default_prior_of_the_orientation_is_said_to_matter(thesis_families):
     assert any("orientation's prior" in caveat for caveat in found.verdict.caveats)
     camera = replace(found.points.setup.camera, orientation_sd=(30.0, 30.0, 30.0))
     stated = replace(found.points, setup=replace(found.points.setup, camera=camera))
-    caveats = family_caveats(stated, found.models)
+    caveats = [finding.text for finding in family_findings(stated, found.models)]
     assert not any("orientation's prior" in caveat for caveat in caveats)
 
 

@@ -8,6 +8,7 @@ import pytest
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.families.verdict import judge_families
+from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.key import Key
 from bayescal.comparison.weak import weak_combinations
@@ -28,10 +29,10 @@ def probabilities(models):
     return [m.probability for m in with_probabilities(models)]
 
 
-def judged(models, caveats=()):
+def judged(models, findings=()):
     """Judge models, the most probable first."""
     found = sorted(with_probabilities(models), key=lambda m: -m.probability)
-    return judge_families(found, caveats)
+    return judge_families(found, findings)
 
 
 def test_a_family_gains_nothing_by_offering_more_orders():
@@ -43,7 +44,7 @@ def test_a_family_gains_nothing_by_offering_more_orders():
 
 def test_verdict_sums_families_and_positions():
     models = [joint("pinhole", (1,), "free", -1.0), joint("separable", (4, 1), "stated", -9.0)]
-    verdict = judged(models, ["a caveat"])
+    verdict = judged(models, [limits("test", "a caveat")])
     assert verdict.best == models[0].key
     assert verdict.decided
     assert verdict.log_bayes_factor == pytest.approx(8.0)

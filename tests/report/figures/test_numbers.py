@@ -220,7 +220,7 @@ def test_qq_points_are_studentised_residuals(thesis_comparison):
 def test_qq_envelope_is_left_by_one_set_in_twenty(n, order):
     x = np.linspace(-1, 1, n)
     data = make_axis(x, np.zeros(n) + x)
-    problem = Problem(data, solve(factorise(data, order), order), NoiseLevel.inferred())
+    problem = Problem.of(data, solve(factorise(data, order), order), NoiseLevel.inferred())
     lower, upper = envelope(problem, np.arange(n), np.random.default_rng(0))
     rng, sets = np.random.default_rng(11), 1500
     q = np.linalg.qr(np.vander(x, order + 1))[0]

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from bayescal.comparison.families.results import (
     FamilyComparison,
+    GroupedErrors,
     JointModel,
 )
 from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
@@ -108,12 +109,15 @@ def _difference(model: JointModel, best: JointModel) -> Cell:
     return Cell(f"{total:+.1f}{doubt} ({se:.1f})", total)
 
 
-def parameters_table(model: JointModel) -> Table:
+def parameters_table(model: JointModel, grouped: GroupedErrors | None = None) -> Table:
     """Parameters of a model that was sampled, or that has a closed form."""
-    heads = [Column("unit"), Column("mean"), Column("sd"), Column("95% interval", "central")]
+    heads = [Column("unit"), Column("mean"), Column("sd")]
+    if grouped is not None:
+        heads.append(Column("sd, groups", f"by the jackknife over {grouped.count} groups"))
+    heads.append(Column("95% interval", "central"))
     if model.posterior is None:
         exact = exact_parameters(model)
-        rows = [_summary_cells(p.name, p.mean, p.sd, p.interval) for p in exact]
+        rows = [_summary_cells(p.name, p.mean, p.sd, p.interval, grouped) for p in exact]
         return Table((Column(f"{model.key} (exact)", title="parameter"), *heads), tuple(rows))
     heads += [
         Column("MCSE", "Monte Carlo standard error of the mean"),
@@ -125,7 +129,7 @@ def parameters_table(model: JointModel) -> Table:
         ess = min(p.ess_bulk, p.ess_tail)
         cells.append(
             (
-                *_summary_cells(p.name, p.mean, p.sd, p.interval),
+                *_summary_cells(p.name, p.mean, p.sd, p.interval, grouped),
                 Cell(significant(p.mcse_mean, 1), p.mcse_mean),
                 Cell(f"{ess:.0f}", ess),
                 Cell(f"{p.rhat:.3f}", p.rhat),
@@ -136,7 +140,11 @@ def parameters_table(model: JointModel) -> Table:
 
 
 def _summary_cells(
-    name: str, mean: float, sd: float, interval: tuple[float, float]
+    name: str,
+    mean: float,
+    sd: float,
+    interval: tuple[float, float],
+    grouped: GroupedErrors | None,
 ) -> tuple[Cell, ...]:
     low, high = interval
     return (
@@ -144,6 +152,7 @@ def _summary_cells(
         Cell(unit_of(name)),
         Cell(rounded(mean, sd), mean),
         Cell(significant(sd), sd),
+        *(() if grouped is None else (number_cell(grouped.sd.get(name), significant),)),
         Cell(f"{rounded(low, sd)} to {rounded(high, sd)}", high - low),
     )
 

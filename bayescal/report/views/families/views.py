@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bayescal.comparison.families.defence import LEFT_OUT
 from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.comparison.verdict import percent
 from bayescal.report.blocks import (
@@ -30,6 +31,7 @@ from bayescal.report.views.families.words import (
     about,
     assumed_lines,
     fit_words,
+    grouped_words,
     models_notes,
     no_criteria,
     power_words,
@@ -37,6 +39,7 @@ from bayescal.report.views.families.words import (
     weak_words,
 )
 from bayescal.report.views.maps import map_section
+from bayescal.report.views.orders.adequacy import adequacy_blocks
 from bayescal.report.views.views import Views
 from bayescal.rounding import significant
 
@@ -65,7 +68,9 @@ def brief(found: FamilyComparison) -> Blocks:
         *_header(found),
         models(found, "--json has them"),
         *verdict(found),
-        *(parameters(model) for model in told),
+        *(Part("  Adequacy", adequacy(found)) for _ in found.adequacy[:1] if found.defence),
+        *(parameters(model, found) for model in told),
+        *more_words(found),
         *sampling(found),
     )
 
@@ -76,7 +81,7 @@ def full(found: FamilyComparison) -> Blocks:
     lines = [*_numbers(model, found), *filter(None, [fit_words(model)])]
     blocks: list[Block] = [*_header(found), Listing(tuple(lines)), *_caveats(found)]
     if model.posterior is not None or model.exact:
-        blocks.append(parameters(model))
+        blocks.append(parameters(model, found))
     if model.posterior is not None:
         table = correlation_table(model.posterior)
         notes = tuple(weak_words(model.posterior))
@@ -94,8 +99,9 @@ def section(found: FamilyComparison) -> Section:
         table = Tabled("families-all", "Every model compared.", every)
         blocks.append(Details("Every model compared", (table,)))
     blocks.append(Part("What was assumed", (Facts(_assumed(found)),)))
-    blocks.append(Part("What is left over, over the image", (_figure(found, "vectors"),)))
-    blocks += [Part(f"Parameters of {m.key}", (parameters(m),)) for m in _shown(found)]
+    left = (_figure(found, "vectors"), *adequacy(found))
+    blocks.append(Part("What is left over, over the image", left))
+    blocks += [Part(f"Parameters of {m.key}", (parameters(m, found),)) for m in _shown(found)]
     figures = _figure(found, "position"), _figure(found, "correlation")
     together = (*figures, *_weak(found), *sampling(found))
     blocks.append(Part("Camera position, and what moves together", together))
@@ -108,12 +114,17 @@ def section(found: FamilyComparison) -> Section:
     )
 
 
+def headlines(found: FamilyComparison) -> list[str]:
+    """Give the verdict."""
+    return [found.verdict.text]
+
+
 VIEWS = Views(
     lambda _: "The order, or the model? Families of camera models compared",
     about,
     brief,
     full,
-    lambda found: [found.verdict.text],
+    headlines,
     {"families": section, "maps": map_section},
     UNSOUND,
 )
@@ -155,13 +166,28 @@ def _caveats(found: FamilyComparison) -> Blocks:
     return listed([f"{caveat}." for caveat in found.verdict.caveats], "caveat")
 
 
-def parameters(model: JointModel) -> Tabled:
-    """Show the posterior of a model's parameters."""
+def adequacy(found: FamilyComparison) -> Blocks:
+    """Show the tests of the most probable model's residuals, and what was not done."""
+    left = () if found.defence is None else (Prose(LEFT_OUT, "note"),)
+    return (*adequacy_blocks(found.adequacy, "families", str(found.best.key)), *left)
+
+
+def more_words(found: FamilyComparison) -> Blocks:
+    """Say what a defence would add."""
+    if found.defence is not None or found.settings.choice.robust or len(found.models) < 2:
+        return ()
+    more = "the tests of adequacy, and which points and groups the choice rests on"
+    return (Prose(f"Would it persuade a referee? --defend adds {more}."),)
+
+
+def parameters(model: JointModel, found: FamilyComparison) -> Tabled:
+    """Show the posterior of a model's parameters, and their spread over groups if it is known."""
     how = "in closed form" if model.posterior is None else "from draws of emcee"
     caption = f"Posterior of the parameters of {model.key}, {how}."
-    notes = (*power_words(model), MEANINGS)
+    grouped = found.grouped if model is found.best else None
+    notes = (*power_words(model), *grouped_words(grouped), MEANINGS)
     id = f"families-{model.key.file(model.key.noise)}"
-    return Tabled(id, caption, parameters_table(model), notes)
+    return Tabled(id, caption, parameters_table(model, grouped), notes)
 
 
 def sampling(found: FamilyComparison) -> Blocks:
@@ -187,21 +213,13 @@ def _numbers(model: JointModel, found: FamilyComparison) -> tuple[str, str]:
 def _answers(found: FamilyComparison) -> tuple[Answer, Answer]:
     """Say in large type what was found."""
     best, verdict = found.best.key, found.verdict
-    standing = f"{percent(found.probabilities[0])} probable"
-    others = len(verdict.plausible) - 1
-    if len(found.models) == 1:
-        standing = "the only one compared"
-    elif verdict.decided:
-        standing += "; decided at 95%"
-    else:
-        standing += f"; {others} other{'s' * (others > 1)} not excluded"
     order = f"({best.order})" if len(best.orders) > 1 else best.order
     x, y, z = found.best.position
     where = f"at ({x:.4g}, {y:.4g}, {z:.4g}) it fits best"
     if len(verdict.positions) > 1:
         where += f"; {percent(verdict.positions[best.position])} over all models"
     return (
-        Answer("model of r and c", f"{best.family} {order}", standing),
+        Answer("model of r and c", f"{best.family} {order}", verdict.standing),
         Answer("camera position", best.position, where),
     )
 

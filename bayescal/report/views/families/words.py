@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.families.results import FamilyComparison, GroupedErrors, JointModel
 from bayescal.comparison.key import FREE, PINHOLE
 from bayescal.comparison.weak import weak_lines
 from bayescal.inference.sampled_posterior import SampledPosterior
@@ -54,6 +54,18 @@ def power_words(model: JointModel) -> list[str]:
     if model.key.family != bivariate.NAME:
         return []
     return ["First power: of x/z in r (alpha), of y/z in c (beta); second: of the other."]
+
+
+def grouped_words(found: GroupedErrors | None) -> list[str]:
+    """Say what the deviations by groups are; nothing where there are none."""
+    if found is None:
+        return []
+    groups = "groups" if found.source == "column group" else "planes of equal z"
+    return [
+        f"sd, groups: by the jackknife over {found.count} {groups}, of the pixels alone; it holds "
+        "where points of a group share errors, which sd and interval take for independent. "
+        f"Student's t of {found.count - 1} degrees of freedom makes an interval of it."
+    ]
 
 
 def fit_words(model: JointModel) -> str | None:

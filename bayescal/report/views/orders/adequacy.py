@@ -19,7 +19,9 @@ def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
     """Show the tests of an axis."""
     if not axis.adequacy:
         return ()
-    return adequacy_blocks(axis.adequacy, axis.data.axis, axis.chosen.order)
+    return adequacy_blocks(
+        axis.adequacy, axis.data.axis, f"order {axis.chosen.order} of {axis.data.axis}"
+    )
 
 
 TOPIC = Topic(
@@ -30,24 +32,24 @@ TOPIC = Topic(
 )
 
 
-def adequacy_blocks(tests: Sequence[AdequacyTest], axis: str, order: int) -> Blocks:
+def adequacy_blocks(tests: Sequence[AdequacyTest], name: str, what: str) -> Blocks:
     """One row per test, then what was not tested; what is of concern, the caveats say."""
     flagged = frozenset(i for i, t in enumerate(filter(_applies, tests)) if t.concern)
     return (
         Tabled(
-            f"adequacy-{axis}",
-            f"Adequacy of order {order} of {axis}; concerns are marked.",
-            adequacy_table(tests, order),
+            f"adequacy-{name}",
+            f"Adequacy of {what}; concerns are marked.",
+            adequacy_table(tests, what),
             tuple(adequacy_lines(tests)),
             flagged=flagged,
         ),
     )
 
 
-def adequacy_table(tests: Sequence[AdequacyTest], order: int) -> Table:
+def adequacy_table(tests: Sequence[AdequacyTest], what: str) -> Table:
     """One row per test that applies."""
     columns = (
-        Column(f"adequacy of order {order}", "what is tested", f"test of order {order}"),
+        Column(f"adequacy of {what}", "what is tested", f"test of {what}"),
         Column("statistic"),
         Column("dof", "degrees of freedom"),
         Column("p", "p-value where the model holds and errors are independent"),

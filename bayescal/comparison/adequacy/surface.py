@@ -1,0 +1,52 @@
+"""Whether residuals follow a smooth surface over the image."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.special import fdtrc
+
+from bayescal.arrays import Array
+from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
+from bayescal.comparison.adequacy.problem import Problem, scaled
+from bayescal.polynomials.plane import plane_design
+
+NAME = "surface over the image"
+# Degree of the surface: a tangential distortion, a skew and a radial one are of two and three.
+DEGREE = 3
+# Degrees of freedom to be left, below which a lower degree is taken.
+SPARE = 5
+
+
+def surface(problem: Problem, place: Array) -> AdequacyTest:
+    """F test of a polynomial of both pixel coordinates, added to the design (Draper & Smith, 6.2).
+
+    Parameters
+    ----------
+    problem : Problem
+    place : Array
+        Predicted pixels of each point, ``(2, n_points)``, px.
+    """
+    if problem.unusable:
+        return untested(NAME, problem.unusable)
+    across, down = (scaled(v) for v in place)
+    for degree in range(DEGREE, 0, -1):
+        added = problem.extend(plane_design(across, down, degree))
+        if added.rank > 0 and added.dof >= SPARE:
+            break
+    else:
+        return untested(NAME, "too few points for a surface beside the model")
+    worth = math.sqrt(float(np.mean((added.shift * problem.sd) ** 2)))
+    before, after = math.sqrt(problem.rss / problem.dof), math.sqrt(added.rss / added.dof)
+    if added.exact:
+        value, p, noise = None, 0.0, 0.0
+    else:
+        value, p = added.f, float(fdtrc(added.rank, added.dof, added.f))
+        noise = after * math.sqrt(float(np.mean(added.leverage * problem.sd**2)))
+    unit = problem.unit
+    meaning = (
+        f"A surface of degree {degree} takes up {worth:.2g} {unit} rms (noise alone would feign "
+        f"{noise:.2g}), sigma goes from {before:.3g} to {after:.3g}."
+    )
+    return AdequacyTest(NAME, "F", value, (added.rank, added.dof), p, meaning)
