@@ -127,6 +127,6 @@ def publish_rows(
         else:
             write_whole(Path(given), text.encode(), force=options.force)
     if not options.quiet and "-" not in (options.out, options.json):
-        from bayescal.report.terminal import render
+        from bayescal.report.terminal import printed
 
-        sys.stdout.write(render(view(), terminal=sys.stdout.isatty()))
+        sys.stdout.write(printed(view()))

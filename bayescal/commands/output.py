@@ -149,9 +149,9 @@ def publish(
 
             write_whole(Path(options.json), made.encode(), force=options.force)
     if prints:
-        from bayescal.report.terminal import render
+        from bayescal.report.terminal import printed
 
-        sys.stdout.write(render(kind.view(result, full=full), terminal=sys.stdout.isatty()))
+        sys.stdout.write(printed(kind.view(result, full=full)))
 
 
 def deliver(options: argparse.Namespace, result: Any, *, full: bool = False) -> int:

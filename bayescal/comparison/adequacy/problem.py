@@ -97,11 +97,6 @@ class Problem:
 
     @property
     def dof(self) -> int:
-        """Degrees of freedom of the residuals."""
-        return self.n - self.p
-
-    @property
-    def dof(self) -> int:
         """Degrees of freedom that the residuals of these points have."""
         return self.n - self.p
 

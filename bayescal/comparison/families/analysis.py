@@ -22,11 +22,12 @@ from bayescal.comparison.families.results import (
     FamilyComparison,
     FamilyDefence,
     FamilyRequest,
+    FamilyVerdict,
     GroupedErrors,
     JointModel,
 )
 from bayescal.comparison.families.stated import stated_pairs
-from bayescal.comparison.families.verdict import FamilyVerdict, judge_families
+from bayescal.comparison.families.verdict import judge_families
 from bayescal.comparison.judging import Candidate, judge_all
 from bayescal.comparison.key import FAMILIES, FREE, PINHOLE, STATED, Key
 from bayescal.comparison.settings import Settings

@@ -8,22 +8,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.comparison.conclusion import Verdict
 from bayescal.comparison.judged import Judged
-from bayescal.comparison.key import FREE, PINHOLE, STATED
+from bayescal.comparison.key import FREE, PINHOLE, STATED, Key
+from bayescal.comparison.verdict import listed_words, percent
 from bayescal.points.correspondences import Correspondences
+from bayescal.rounding import counted
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
     from bayescal.cameras.pinhole import Radial
     from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.criteria import Criteria
     from bayescal.comparison.defence.stability import Removal
-    from bayescal.comparison.families.verdict import FamilyVerdict
     from bayescal.comparison.goodness import GoodnessOfFit
     from bayescal.comparison.settings import Settings
     from bayescal.density.pinhole import PinholeModel
     from bayescal.inference.sampled_posterior import SampledPosterior
     from bayescal.inference.weighting import WeightedDraws
     from bayescal.linear.closed_form import ExactPosterior
+
+DECIDED = "decided at 95%"
+NAMED = 4  # plausible models named beside the most probable one
 
 
 @dataclass(frozen=True)
@@ -141,6 +146,64 @@ class FamilyDefence:
     groups_that_matter: tuple[Removal, ...]
     group_source: str | None
     groups: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class FamilyVerdict(Verdict):
+    """What to conclude of family, order and position together.
+
+    Attributes
+    ----------
+    best : Key
+    compared : int
+        Number of models.
+    plausible : tuple of Key
+        Smallest set, by falling probability, that reaches 0.95.
+    families, positions : dict of str to float
+        Probability of each family and of each treatment of the position.
+    log_bayes_factor : float or None
+        ln B of the best model against the best of any other family.
+    """
+
+    best: Key
+    compared: int
+    plausible: tuple[Key, ...]
+    families: dict[str, float]
+    positions: dict[str, float]
+    log_bayes_factor: float | None
+
+    @property
+    def standing(self) -> str:
+        """How the most probable model stands, in a few words."""
+        if self.compared == 1:
+            return "; ".join(("the only one compared", *self.withheld[:1]))
+        chance, others = f"{percent(self.chances[0])} probable", len(self.plausible) - 1
+        if self.withheld:
+            return f"{chance} among those compared; not decided: {self.withheld[0]}"
+        return f"{chance}; " + (f"{counted(others, 'other')} not excluded" if others else DECIDED)
+
+    @property
+    def headline(self) -> str:
+        """The outcome in a sentence."""
+        name, withheld = _sentence(self.best), listed_words(self.withheld)
+        if self.compared == 1:
+            only = f"{name} is the only model compared"
+            return f"{only}, and {withheld}." if withheld else f"{only}."
+        named = list(zip(self.plausible, self.chances, strict=True))[1:]
+        rest = "; ".join(f"{key} ({percent(chance)})" for key, chance in named[:NAMED])
+        more = f" and {len(named) - NAMED} more" if len(named) > NAMED else ""
+        open_ = f"{rest}{more} can't be excluded at 95%" if named else ""
+        chance = percent(self.chances[0])
+        if withheld:
+            why = f"{open_}, and {withheld}" if open_ else withheld
+            return f"{name} is the best of those compared, {chance}; not decided: {why}."
+        outcome = f"not decided: {open_}" if open_ else DECIDED
+        return f"{name} is the most probable model, {chance}; {outcome}."
+
+
+def _sentence(name: Key) -> str:
+    words = str(name)
+    return words[0].upper() + words[1:]
 
 
 @dataclass(frozen=True, eq=False)

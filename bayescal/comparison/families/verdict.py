@@ -3,74 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from scipy.special import logsumexp
 
-from bayescal.comparison.conclusion import Verdict
 from bayescal.comparison.evidence import PLAUSIBLE, strength
-from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.families.results import FamilyVerdict, JointModel
 from bayescal.comparison.findings.finding import Finding, ordered
 from bayescal.comparison.judged import log_weights
 from bayescal.comparison.key import FREE, Key
-from bayescal.comparison.verdict import listed_words, percent
-from bayescal.rounding import counted
-
-DECIDED = "decided at 95%"
-NAMED = 4  # plausible models named beside the most probable one
-
-
-@dataclass(frozen=True, kw_only=True)
-class FamilyVerdict(Verdict):
-    """What to conclude of family, order and position together.
-
-    Attributes
-    ----------
-    best : Key
-    compared : int
-        Number of models.
-    plausible : tuple of Key
-        Smallest set, by falling probability, that reaches 0.95.
-    families, positions : dict of str to float
-        Probability of each family and of each treatment of the position.
-    log_bayes_factor : float or None
-        ln B of the best model against the best of any other family.
-    """
-
-    best: Key
-    compared: int
-    plausible: tuple[Key, ...]
-    families: dict[str, float]
-    positions: dict[str, float]
-    log_bayes_factor: float | None
-
-    @property
-    def standing(self) -> str:
-        """How the most probable model stands, in a few words."""
-        if self.compared == 1:
-            return "; ".join(("the only one compared", *self.withheld[:1]))
-        chance, others = f"{percent(self.chances[0])} probable", len(self.plausible) - 1
-        if self.withheld:
-            return f"{chance} among those compared; not decided: {self.withheld[0]}"
-        return f"{chance}; " + (f"{counted(others, 'other')} not excluded" if others else DECIDED)
-
-    @property
-    def headline(self) -> str:
-        """The outcome in a sentence."""
-        name, withheld = _sentence(self.best), listed_words(self.withheld)
-        if self.compared == 1:
-            only = f"{name} is the only model compared"
-            return f"{only}, and {withheld}." if withheld else f"{only}."
-        named = list(zip(self.plausible, self.chances, strict=True))[1:]
-        rest = "; ".join(f"{key} ({percent(chance)})" for key, chance in named[:NAMED])
-        more = f" and {len(named) - NAMED} more" if len(named) > NAMED else ""
-        open_ = f"{rest}{more} can't be excluded at 95%" if named else ""
-        chance = percent(self.chances[0])
-        if withheld:
-            why = f"{open_}, and {withheld}" if open_ else withheld
-            return f"{name} is the best of those compared, {chance}; not decided: {why}."
-        outcome = f"not decided: {open_}" if open_ else DECIDED
-        return f"{name} is the most probable model, {chance}; {outcome}."
+from bayescal.comparison.verdict import percent
 
 
 def _between_families(models: Sequence[JointModel], families: dict[str, float]) -> str:
@@ -130,11 +71,6 @@ def judge_families(models: Sequence[JointModel], findings: Sequence[Finding]) ->
         findings=ordered(findings),
         sentences=tuple(filter(None, said)),
     )
-
-
-def _sentence(name: Key) -> str:
-    words = str(name)
-    return words[0].upper() + words[1:]
 
 
 def _shares(models: Sequence[JointModel], chances: Sequence[float], key: str) -> dict[str, float]:

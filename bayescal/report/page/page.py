@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
@@ -14,7 +14,7 @@ from markupsafe import Markup
 
 from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
-from bayescal.report.blocks import Section
+from bayescal.report.blocks import Prose, Section
 from bayescal.report.page.pictures import drawn
 from bayescal.report.page.typography import sentence, symbol, typeset, visible
 from bayescal.report.runs import kind_of
@@ -65,12 +65,14 @@ def page_of(
     for other in beside:
         found = kind_of(other)
         documents[found.element] = found.document(other, origin["command"])
-    sections = []
+    sections: list[Section] = []
     for name, make in chapters(result, *beside):
         if progress is not None:
             progress(name)
         section = make()
         if section is not None:
+            if not sections:
+                section = _with_headlines(section, beside)
             sections.append(replace(section, blocks=drawn(section.blocks)))
     if views.methods is not None:
         sections.append(views.methods(result, beside, origin))
@@ -81,6 +83,17 @@ def page_of(
         sections=(*sections, provenance.section(documents)),
         made_by=f"bayescal {__version__}, {origin['created']}",
     )
+
+
+def _with_headlines(first: Section, beside: Iterable[Any]) -> Section:
+    """Say on the first page what the results beside found, under its large type."""
+    said = [
+        Prose(line, lead=next(iter(kind_of(other).views.sections)).capitalize())
+        for other in beside
+        for line in kind_of(other).views.headlines(other)
+    ]
+    large, *rest = first.blocks
+    return replace(first, blocks=(large, *said, *rest))
 
 
 def chapters(result: Any, *beside: Any) -> list[tuple[str, Callable[[], Section | None]]]:

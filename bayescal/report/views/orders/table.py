@@ -76,7 +76,7 @@ def orders_table(axis: AxisComparison) -> Table:
         [column for column, _ in columns],
         [[cell(r) for _, cell in columns] for r in axis.orders],
         axis.verdict.order,
-        spare=("dAIC", "chi2", "sigma^", "dAICc"),
+        spare=("dAIC", "chi2", "sigma^", "dAICc", "p", "dof"),
     )
 
 
