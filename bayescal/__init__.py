@@ -42,6 +42,7 @@ _EXPORTS = {
     "distances": "bayescal.api.camera",
     "locate_target": "bayescal.api.camera",
     "image_maps": "bayescal.api.camera",
+    "changed": "bayescal.api.camera",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
     "compare_polynomials": "bayescal.api.polynomials",
@@ -76,6 +77,7 @@ __all__ = [
     "__version__",
     "calibrate",
     "camera",
+    "changed",
     "chessboard",
     "compare",
     "compare_families",
@@ -114,7 +116,15 @@ __all__ = [
 if TYPE_CHECKING:
     from bayescal.api.axes import compare, fit
     from bayescal.api.calibrate import calibrate
-    from bayescal.api.camera import camera, distances, image_maps, locate, locate_target, predict
+    from bayescal.api.camera import (
+        camera,
+        changed,
+        distances,
+        image_maps,
+        locate,
+        locate_target,
+        predict,
+    )
     from bayescal.api.families import compare_families, fit_family
     from bayescal.api.fleet import fleet
     from bayescal.api.outliers import outliers

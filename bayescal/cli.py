@@ -12,6 +12,7 @@ from typing import Any, NoReturn
 
 from bayescal.commands import (
     calibrate,
+    changed,
     compare,
     detect,
     fit,
@@ -33,6 +34,7 @@ from bayescal.version import __version__
 
 COMMANDS = {
     "calibrate": calibrate,
+    "changed": changed,
     "compare": compare,
     "detect": detect,
     "fit": fit,

@@ -10,6 +10,8 @@ import numpy as np
 
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.changed import Change
+from bayescal.prediction.changed import changed as change_of
 from bayescal.prediction.columns import location_columns, pair_columns, prediction_columns
 from bayescal.prediction.locate import locate as locate_pixels
 from bayescal.prediction.locate import surface_of
@@ -236,6 +238,31 @@ def image_maps(source: Any, *, columns: int = 33, rows: int = 25) -> ImageMaps:
         px; `bayescal.plot` draws them (``"sd-map"``, ``"difference-map"``).
     """
     return maps_of(camera(source), columns=columns, rows=rows)
+
+
+def changed(first: Any, second: Any, *, average: bool | None = None, seed: int = 0) -> Change:
+    """Compare two calibrations of one camera, to learn whether it is still the same.
+
+    Parameters
+    ----------
+    first, second : CalibratedCamera, or anything `camera` takes
+    average : bool, optional
+        As in `camera`, of both.
+    seed : int, optional
+        Of the pairing of the draws.
+
+    Returns
+    -------
+    Change
+        How far predictions lie apart over the image, px, and how often two calibrations of one
+        camera would lie so far apart.
+
+    Raises
+    ------
+    InputError
+        Where they are of different cameras, or nothing was calibrated by both.
+    """
+    return change_of(camera(first), camera(second), average=average, seed=seed)
 
 
 def _numbers(given: Any, names: tuple[str, ...], what: str) -> Any:

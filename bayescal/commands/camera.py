@@ -21,13 +21,19 @@ def add_camera(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "camera", metavar="RUN", help="a run that --out wrote, or a camera file (camera.npz)"
     )
+    models = add_average(parser)
+    models.add_argument("--model", metavar="NAME", help="take this plausible model alone")
+
+
+def add_average(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Add whether models are averaged."""
     models = parser.add_argument_group("models")
     models.add_argument(
         "--average",
         action=argparse.BooleanOptionalAction,
         help="average over all plausible models (where the verdict is undecided)",
     )
-    models.add_argument("--model", metavar="NAME", help="take this plausible model alone")
+    return models
 
 
 def add_rows(parser: argparse.ArgumentParser) -> None:
@@ -41,13 +47,14 @@ def add_rows(parser: argparse.ArgumentParser) -> None:
     add_output(parser)
 
 
-def add_output(parser: argparse.ArgumentParser) -> None:
+def add_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """Add where answers go."""
     output = parser.add_argument_group("output")
     output.add_argument("--out", metavar="FILE|-", help="write all rows as CSV; - prints them")
     output.add_argument("--json", metavar="FILE|-", help="write all rows as JSON; - prints them")
     output.add_argument("--force", action="store_true", help="replace existing output")
     output.add_argument("--quiet", action="store_true", help="print no table")
+    return output
 
 
 def camera_of(options: argparse.Namespace) -> CalibratedCamera:
@@ -59,7 +66,7 @@ def camera_of(options: argparse.Namespace) -> CalibratedCamera:
     return camera(options.camera, average=options.average, model=options.model)
 
 
-def check_rows(options: argparse.Namespace, read: str | None) -> None:
+def check_rows(options: argparse.Namespace, *read: str | None) -> None:
     """Refuse output that can't be written before anything is computed."""
     from bayescal.files import check_free
 
@@ -70,11 +77,13 @@ def check_rows(options: argparse.Namespace, read: str | None) -> None:
             continue
         path = Path(given)
         check_free(path, force=options.force)
-        for source in (read, options.camera):
-            if source not in (None, "-") and path.resolve() == Path(source).resolve():
+        for source in read:
+            if source in (None, "-"):
+                continue
+            if path.resolve() == Path(source).resolve():
                 raise InputError(f"{path}: would replace what is read; choose another name")
-        if Path(options.camera).resolve() in path.resolve().parents:
-            raise InputError(f"{path}: lies in the run that is read; choose another place")
+            if Path(source).resolve() in path.resolve().parents:
+                raise InputError(f"{path}: lies in the run that is read; choose another place")
 
 
 def read_rows(

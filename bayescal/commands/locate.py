@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Read, locate, print and write; return the exit code."""
     surface = _surface(options)
-    check_rows(options, options.pixels)
+    check_rows(options, options.pixels, options.camera)
     if options.seed < 0:
         raise InputError(f"seed must be 0 or more, not {options.seed}")
     camera = camera_of(options)

@@ -31,7 +31,7 @@ def run(options: argparse.Namespace) -> int:
     columns, rows = options.grid
     if not (2 <= columns <= 500 and 2 <= rows <= 500):
         raise InputError(f"--grid {columns} {rows}: use 2 to 500 of each")
-    check_rows(options, None)
+    check_rows(options, options.camera)
     camera = camera_of(options)
     from bayescal.prediction.columns import map_columns
     from bayescal.prediction.maps import image_maps

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Read, predict, print and write; return the exit code."""
-    check_rows(options, options.points)
+    check_rows(options, options.points, options.camera)
     camera = camera_of(options)
     table = read_table(options, options.points, ("x", "y", "z"))
     from bayescal.prediction.predict import predict

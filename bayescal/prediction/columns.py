@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.prediction.changed import Change
 from bayescal.prediction.locate import SOURCES, Location
 from bayescal.prediction.maps import ImageMaps
 from bayescal.prediction.pairs import Distances
@@ -116,6 +117,22 @@ def map_columns(found: ImageMaps) -> dict[str, Any]:
         for ok, inside in zip(at.found, at.inside, strict=True)
     ]
     return columns
+
+
+def change_columns(found: Change) -> dict[str, Any]:
+    """Name the columns of a change: a row for each place of the grid."""
+    at = found.places
+    return {
+        "r": at.pixels[:, 0],
+        "c": at.pixels[:, 1],
+        "change_r": found.shift[:, 0],
+        "change_c": found.shift[:, 1],
+        "sd": found.sd,
+        "note": [
+            "" if inside else "extrapolated" if seen else "not seen by both"
+            for inside, seen in zip(at.inside, np.isfinite(found.sd), strict=True)
+        ],
+    }
 
 
 def _spread(forms: tuple[tuple[str, Array], ...], names: tuple[str, ...]) -> dict[str, Any]:

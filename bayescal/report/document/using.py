@@ -12,12 +12,14 @@ import numpy as np
 
 from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.changed import LEVEL, Change
+from bayescal.prediction.columns import change_columns
 from bayescal.prediction.target import QUANTITIES, TargetPose
 from bayescal.report.document.shared import dumps, provenance
 
 PREDICTION, LOCATION = "bayescal.prediction/1", "bayescal.location/1"
 DISTANCES, TARGET = "bayescal.distances/1", "bayescal.target/1"
-MAPS = "bayescal.maps/1"
+MAPS, CHANGE = "bayescal.maps/1", "bayescal.change/1"
 PACKAGES = ("numpy", "scipy")
 
 
@@ -43,11 +45,7 @@ def rows_document(
     schema: str, camera: CalibratedCamera, columns: Mapping[str, Any], command: str, **facts: Any
 ) -> str:
     """Rows as a JSON document, with the models they come from."""
-    rows = [
-        {name: _json(value) for name, value in zip(columns, row, strict=True)}
-        for row in zip(*columns.values(), strict=True)
-    ]
-    return dumps({**camera_facts(schema, camera, command), **facts, "rows": rows})
+    return dumps({**camera_facts(schema, camera, command), **facts, "rows": _rows(columns)})
 
 
 def camera_facts(schema: str, camera: CalibratedCamera, command: str) -> dict[str, Any]:
@@ -89,6 +87,31 @@ def _pose(found: TargetPose) -> dict[str, Any]:
         "extrapolated": int(found.extrapolated.sum()),
         "second": second,
     }
+
+
+def change_document(
+    first: CalibratedCamera, second: CalibratedCamera, found: Change, command: str
+) -> str:
+    """Write how two calibrations differ as a JSON document."""
+    own, other = (camera_facts(CHANGE, camera, command) for camera in (first, second))
+    then = {key: other[key] for key in ("calibration", "models", "averaged", "covered")}
+    facts = {
+        "p_value": found.p_value,
+        "changed": found.changed,
+        "rms_px": found.rms,
+        "bound_px": found.bound,
+        "bound_probability": 1 - LEVEL,
+        "posed": found.posed,
+        "text": found.verdict,
+    }
+    return dumps({**own, "second": then, **facts, "rows": _rows(change_columns(found))})
+
+
+def _rows(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
+    return [
+        {name: _json(value) for name, value in zip(columns, row, strict=True)}
+        for row in zip(*columns.values(), strict=True)
+    ]
 
 
 def _json(value: Any) -> Any:

@@ -16,7 +16,6 @@ if TYPE_CHECKING:  # the command's help lists the kinds without paying for matpl
     from bayescal.comparison.outliers.results import OutlierStudy
     from bayescal.comparison.results import Comparison
     from bayescal.prediction.calibrated import CalibratedCamera
-    from bayescal.prediction.maps import ImageMaps
 
 CAMERA = "camera"  # what several kinds of result hold
 HOLD_CAMERA = ("comparison", "families", "lenses", CAMERA)
@@ -124,13 +123,14 @@ class FigureKind:
         return subject
 
 
-def maps_of(result: Any) -> ImageMaps:
-    """Make the maps of a calibrated camera, or of a result that holds one."""
+def maps_of(result: Any) -> Any:
+    """Make the maps of a camera, or of a result that holds one; maps stay as they are."""
     from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.changed import Change
     from bayescal.prediction.maps import ImageMaps, image_maps
     from bayescal.prediction.sources import camera_of
 
-    if isinstance(result, ImageMaps):
+    if isinstance(result, ImageMaps | Change):
         return result
     return image_maps(result if isinstance(result, CalibratedCamera) else camera_of(result))
 
@@ -176,9 +176,15 @@ FIGURES = (
     FigureKind("bow", "the target's bow, and its points that are off", of="lenses"),
 )
 
+# Of two cameras: no run holds it.
+CHANGE = "change"
+CHANGE_MAP = FigureKind("change-map", "how far two calibrations lie apart", of=CAMERA)
+
 
 def figure_kinds(of: str) -> dict[str, FigureKind]:
     """Give the kinds of figure of a kind of result, by their names."""
+    if of == CHANGE:
+        return {CHANGE_MAP.name: CHANGE_MAP}
     held = (of, CAMERA) if of in HOLD_CAMERA else (of,)
     return {kind.name: kind for kind in FIGURES if kind.of in held}
 
@@ -186,9 +192,12 @@ def figure_kinds(of: str) -> dict[str, FigureKind]:
 def drawn_as(result: object) -> str:
     """Name the kind of result that something is drawn as."""
     from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.changed import Change
     from bayescal.prediction.maps import ImageMaps
     from bayescal.report.runs import kind_of
 
+    if isinstance(result, Change):
+        return CHANGE
     return CAMERA if isinstance(result, CalibratedCamera | ImageMaps) else kind_of(result).name
 
 
@@ -218,6 +227,7 @@ def plot(
         ``"evidence"``, ``"models"``, ``"difference"``, ``"uncertainty"``, ``"corner"``,
         ``"vectors"``, ``"views"``, ``"bow"``.
         Of a camera, or of orders, families or lenses: ``"sd-map"``, ``"difference-map"``.
+        Of what `changed` gives: ``"change-map"``.
     axis : str, optional
         ``"r"``, ``"c"`` or ``"y"``; may be left out where there is only one, and for
         a figure of all axes. Families and lenses have none.

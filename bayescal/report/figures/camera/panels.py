@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
@@ -9,15 +11,32 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
 from bayescal.arrays import Array
-from bayescal.prediction.maps import ImageMaps
-from bayescal.report.figures.style import BLACK, COLOURS, GREY, VERMILLION, WIDTH
+from bayescal.prediction.members import BoolArray
+from bayescal.prediction.sights import Sights
+from bayescal.report.figures.style import BLACK, BLUE, COLOURS, GREY, VERMILLION, WIDTH
 
 STEPS = np.array([v * 10.0**k for k in range(-6, 6) for v in (1, 2, 5)])
 MOST_LEVELS = 7
+LONG = 0.09  # of the image's width: the longest arrow
 SPARE = 0.75  # inches, above and below the panels
 
 
-def image_panels(maps: ImageMaps, number: int, *, flipped: bool) -> tuple[Figure, list[Axes]]:
+class Mapped(Protocol):
+    """Places over the image, row by row, and which of them are trusted."""
+
+    @property
+    def places(self) -> Sights: ...  # noqa: D102
+    @property
+    def shape(self) -> tuple[int, int]: ...  # noqa: D102
+    @property
+    def extrapolated(self) -> BoolArray: ...  # noqa: D102
+    @property
+    def hull(self) -> Array: ...  # noqa: D102
+    @property
+    def flipped(self) -> bool: ...  # noqa: D102
+
+
+def image_panels(maps: Mapped, number: int) -> tuple[Figure, list[Axes]]:
     """Make panels with the image's shape, two beside each other, and the legend of all."""
     low, high = maps.places.pixels.min(axis=0), maps.places.pixels.max(axis=0)
     columns = min(number, 2)
@@ -30,7 +49,7 @@ def image_panels(maps: ImageMaps, number: int, *, flipped: bool) -> tuple[Figure
         extra.set_axis_off()
     for panel in every[:number]:
         panel.set_xlim(low[0], high[0])
-        panel.set_ylim(*((low[1], high[1]) if flipped else (high[1], low[1])))
+        panel.set_ylim(*((low[1], high[1]) if maps.flipped else (high[1], low[1])))
         panel.set_aspect("equal")
         panel.set_xlabel("r [px]")
         panel.set_ylabel("c [px]")
@@ -38,7 +57,7 @@ def image_panels(maps: ImageMaps, number: int, *, flipped: bool) -> tuple[Figure
     return figure, every[:number]
 
 
-def _legend(maps: ImageMaps) -> list[Patch]:
+def _legend(maps: Mapped) -> list[Patch]:
     handles = [Patch(fill=False, edgecolor=VERMILLION, label="hull of the calibration points")]
     if maps.extrapolated.any():
         handles.append(Patch(fill=False, hatch="////", edgecolor=GREY, label="extrapolated"))
@@ -47,7 +66,7 @@ def _legend(maps: ImageMaps) -> list[Patch]:
     return handles
 
 
-def draw_map(panel: Axes, maps: ImageMaps, values: Array, title: str) -> None:
+def draw_map(panel: Axes, maps: Mapped, values: Array, title: str) -> None:
     """Fill a panel with contours of values ``(n,)``, px; hatch what can't be believed."""
     r, c = (side.reshape(maps.shape) for side in maps.places.pixels.T)
     shown = np.ma.masked_invalid(values.reshape(maps.shape))
@@ -69,7 +88,7 @@ def draw_map(panel: Axes, maps: ImageMaps, values: Array, title: str) -> None:
     panel.set_title(f"{title} [px]", loc="left")
 
 
-def levels_of(values: Array, maps: ImageMaps) -> list[float]:
+def levels_of(values: Array, maps: Mapped) -> list[float]:
     """Part the values by steps of 1, 2, 5, up to a hundredfold of the largest inside."""
     known = values[np.isfinite(values) & (values > 0)]
     if not known.size:
@@ -84,3 +103,17 @@ def levels_of(values: Array, maps: ImageMaps) -> list[float]:
     while len(found) > MOST_LEVELS:
         found = found[::2]
     return [low, *found.tolist(), high]
+
+
+def draw_shifts(panel: Axes, maps: Mapped, shift: Array, every: int) -> None:
+    """Draw arrows of shifts ``(n, 2)`` at some of the places inside, the longest a known length."""
+    some = np.zeros(maps.shape, dtype=bool)
+    some[every // 2 :: every, every // 2 :: every] = True
+    use = some.ravel() & maps.places.inside & np.isfinite(shift).all(axis=1)
+    longest = float(np.hypot(*shift[use].T).max(initial=0.0))
+    if longest > 0:
+        width = float(np.ptp(maps.places.pixels[:, 0]))
+        panel.quiver(
+            *maps.places.pixels[use].T, *shift[use].T, angles="xy", scale_units="xy",
+            scale=longest / (LONG * width), width=0.004, color=BLUE,
+        )  # fmt: skip

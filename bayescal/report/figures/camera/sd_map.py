@@ -19,7 +19,7 @@ def draw(maps: ImageMaps) -> Figure:
     ]
     if maps.differences:
         wanted.append((maps.averaged, "sd of the mapping, models averaged"))
-    figure, panels = image_panels(maps, len(wanted), flipped=maps.flipped)
+    figure, panels = image_panels(maps, len(wanted))
     for panel, (values, title) in zip(panels, wanted, strict=True):
         draw_map(panel, maps, values, title)
     settle(figure)

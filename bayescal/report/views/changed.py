@@ -1,0 +1,55 @@
+"""Whether two calibrations are of the same camera, as a table."""
+
+from __future__ import annotations
+
+from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.changed import Change
+from bayescal.prediction.maps import NAMES
+from bayescal.report.blocks import Blocks, Listing, Prose, Tabled
+from bayescal.report.table import Cell, Column, Table
+from bayescal.report.views.prediction import models_words
+from bayescal.rounding import rounded, significant
+
+
+def changed_view(first: CalibratedCamera, second: CalibratedCamera, found: Change) -> Blocks:
+    """Show the change at named places, and whether it is one."""
+    about = tuple(
+        f"{name}: {camera.source}, {models_words(camera)}"
+        for name, camera in (("first", first), ("second", second))
+    )
+    return (
+        Listing(about, "about"),
+        Prose(found.verdict, lead="Changed?"),
+        Tabled("change", "Second less first, px.", _table(found), tuple(_lines(found))),
+    )
+
+
+def _table(found: Change) -> Table:
+    at = found.named
+    assert at is not None, "of the whole image"
+    heads = ("place", "r", "c", "change in r", "change in c", "size", "sd", "")
+    rows = []
+    for i, name in enumerate(NAMES):
+        r, c = at.places.pixels[i]
+        where = (Cell(name), Cell(f"{r:.4g}"), Cell(f"{c:.4g}"))
+        sd = float(at.sd[i])
+        if sd != sd:
+            rows.append((*where, *[Cell("")] * 4, Cell("not seen by both")))
+            continue
+        moved = (Cell(rounded(float(v), sd)) for v in (*at.shift[i], at.size[i]))
+        note = "" if at.places.inside[i] else "extrapolated"
+        rows.append((*where, *moved, Cell(significant(sd)), Cell(note)))
+    return Table(tuple(Column(h) for h in heads), tuple(rows))
+
+
+def _lines(found: Change) -> list[str]:
+    frame = (
+        "Both stand in one world: a camera that was moved is a change too."
+        if found.posed
+        else "The turn between their frames is taken out: the poses of the views absorb it."
+    )
+    return [
+        f"{frame} sd: of each of r and c of the change, both calibrations' uncertainty.",
+        "p: how often two calibrations of one camera would differ so much where both were "
+        "calibrated, by the draws of both posteriors.",
+    ]
