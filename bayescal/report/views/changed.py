@@ -19,7 +19,7 @@ def changed_view(first: CalibratedCamera, second: CalibratedCamera, found: Chang
     )
     return (
         Listing(about, "about"),
-        Prose(found.verdict, lead="Changed?"),
+        Prose(found.verdict, lead="Change"),
         Tabled("change", "Second less first, px.", _table(found), tuple(_lines(found))),
     )
 
