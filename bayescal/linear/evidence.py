@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.special import logsumexp
 
 from bayescal.arrays import LOG_2PI, Array
-from bayescal.linear.quadrature import COARSE, FINE, POINT, Accuracy, Rule, follow, interval
+from bayescal.linear.quadrature import COARSE, FINE, POINT, Accuracy, Rule, evenly, follow, interval
 from bayescal.noise.level import NoiseLevel
 from bayescal.prior.amplitudes import CoefficientPrior
 
@@ -150,6 +150,12 @@ def log_joint(
     if noise.value is not None:
         return POINT, density(np.log([noise.value]))
     lower, upper = noise.log_bounds
+    if accuracy.even:
+        # The curvature in ln sigma is at most twice the number of points.
+        width = 1 / math.sqrt(2 * max(1.0, float(np.max(data.n))))
+        found = evenly(density, lower, upper, width, accuracy.drop)
+        if found is not None:
+            return found
     edge = np.log1p(NEAR_BOUND)
     inner = np.linspace(lower + edge, upper - edge, accuracy.panels + 1)
     breaks = np.concatenate([[lower], inner, [upper]])
