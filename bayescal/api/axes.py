@@ -38,13 +38,14 @@ def compare(
         ``"r"``, ``"c"`` or ``"both"``.
     defend : bool, optional
         Also answer a referee: leave-one-out, sensitivity to the prior, stability under
-        removal and resampling of points, orders beyond the range (some seconds more).
+        removal and resampling of points, orders beyond the range (some 15 seconds more).
     hint : bool, optional
         Look whether another family or a free camera position is decisively better.
     setup : Setup or str or Path, optional
         What is known of the camera, where the points don't know it.
     progress : callable, optional
-        Called with axis and order before each model is sampled.
+        Called with axis and order before each model is sampled, and with what is done and 0
+        before what is no order's.
     **options : Options
         Of noise, prior and sampling: see `bayescal.comparison.settings.Settings`.
 
@@ -64,6 +65,8 @@ def compare(
     result = analyse_points(points, by_axis, settings, progress, whole=whole)
     if not hint:
         return result
+    if progress is not None:
+        progress("looking at other families", 0)
     from bayescal.comparison.families.hint import family_hint
 
     return result.with_hint(family_hint(points, result, settings))
@@ -107,6 +110,8 @@ def fit(
     settings = Settings(**options, defend=False)
     points, whole = reduced(points, setup, orders, settings)
     result = analyse_points(points, orders, settings, progress, whole=whole)
+    if progress is not None:
+        progress("looking at other families", 0)
     from bayescal.comparison.families.hint import family_hint
 
     return result.with_hint(family_hint(points, result, settings))

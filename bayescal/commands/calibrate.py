@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.api.calibrate import calibrate
 
     found = views(options)
-    with shared.Progress(options, STEPS, "judging", "lens") as progress:
+    with shared.Progress(options, STEPS, "judging") as progress:
         result = calibrate(
             found,
             lenses=options.lens,

@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--defend",
         action="store_true",
         help="answer a referee too: leave-one-out, prior sensitivity, stability, orders beyond "
-        "the range (some seconds more)",
+        "the range (some 15 seconds more)",
     )
     add_families(parser, several=True)
     parser.add_argument(
@@ -41,15 +41,16 @@ def run(options: argparse.Namespace) -> int:
     asked = families_of(options)
     if asked is not None:
         return _across_families(options, asked)
-    from bayescal.api.axes import compare
-
     check_output(options)
-    models = len(shared.orders_of(options)) * shared.axes_of(options)
-    with many_or_few(options) as points, shared.Progress(options, models) as progress:
+    axes, hint = shared.axes_of(options), not options.no_families
+    models, heavy = len(shared.orders_of(options)) * axes, axes * options.defend + hint
+    with many_or_few(options) as points, shared.Progress(options, models, heavy=heavy) as progress:
+        from bayescal.api.axes import compare
+
         result = compare(
             points,
             defend=options.defend,
-            hint=not options.no_families,
+            hint=hint,
             progress=progress,
             **shared.settings(options),
         )
@@ -58,15 +59,16 @@ def run(options: argparse.Namespace) -> int:
 
 def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     """Compare families of joint models of r and c."""
-    from bayescal.api.families import compare_families
-
     if options.axis in ("r", "c"):
         drop = f"drop --axis {options.axis}"
         raise InputError(f"compare: families are joint models of r and c; {drop}")
     check_output(options)
     points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
-    with shared.Progress(options, 2 * len(asked["families"])) as progress:
+    kinds = len(asked["families"]) * len(asked["position"] or ("stated",))
+    with shared.Progress(options, 0, heavy=kinds) as progress:
+        from bayescal.api.families import compare_families
+
         result = compare_families(
             points, progress=progress, defend=options.defend, **asked, **given
         )

@@ -90,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
     places = [Path(name).resolve() for name in (options.out, options.contact_sheet) if name]
     if len(set(places)) < len(places):
         raise InputError("--out and --contact-sheet name the same file; name two")
-    with shared.Progress(options, len(paths), "looking at", "image") as progress:
+    with shared.Progress(options, len(paths), "looking at") as progress:
         found = detect(paths, pattern, progress.named)
     text = views_to_csv(found.views, [f"{pattern.name}, by {found.detector}"])
     if options.contact_sheet is not None:

@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.fleets.listed import listed
 
     cameras = {camera.name: camera for camera in listed(options.cameras)}
-    with shared.Progress(options, len(cameras), "judging", "camera") as progress:
+    with shared.Progress(options, len(cameras), "judging") as progress:
         try:
             found = fleet(
                 cameras,

@@ -121,14 +121,16 @@ def _check(kind: FigureKind, options: argparse.Namespace) -> None:
 
 
 def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
-    from bayescal.api.axes import compare
-
     _check(kind, options)
-    models = len(shared.orders_of(options)) * shared.axes_of(options)
-    with many_or_few(options) as points, shared.Progress(options, models) as progress:
+    axes = shared.axes_of(options)
+    models, heavy = len(shared.orders_of(options)) * axes, axes * kind.needs_defence
+    with many_or_few(options) as points, shared.Progress(options, models, heavy=heavy) as progress:
+        from bayescal.api.axes import compare
+
         return compare(
             points,
             defend=kind.needs_defence,
+            hint=False,
             progress=progress,
             **shared.settings(options),
         )

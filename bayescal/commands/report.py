@@ -112,7 +112,7 @@ def _page(
     if options.outliers:
         beside.append(_bad_points(options, result))
     count = len(chapters(result, *beside))
-    with shared.Progress(options, count, "drawing", "chapter") as progress:
+    with shared.Progress(options, count, "drawing") as progress:
         page = page_of(result, options.command_line, *beside, progress=progress.named)
     shown = [result, *beside]
     lines = [line for found in shown for line in kind_of(found).views.headlines(found)]
@@ -156,7 +156,7 @@ def _families(
         raise InputError(f"{options.points}: holds one axis; families are models of r and c")
     orders = sorted({r.order for axis in result.axes.values() for r in axis.orders})
     given = {k: v for k, v in asdict(result.settings).items() if k != "defend"}
-    with shared.Progress(options, 2 * len(asked["families"])) as progress:
+    with shared.Progress(options, 0, heavy=2 * len(asked["families"])) as progress:
         return compare_families(
             result.points, orders=orders, progress=progress, defend=True, **asked, **given
         )
@@ -185,12 +185,16 @@ def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy
 
 
 def _compared(options: argparse.Namespace) -> Comparison:
-    from bayescal.api.axes import compare
-    from bayescal.comparison.many import can_defend
+    # Each axis's orders and its defence, and a look at other families.
+    axes = shared.axes_of(options)
+    models = len(shared.orders_of(options)) * axes
+    with (
+        many_or_few(options) as points,
+        shared.Progress(options, models, heavy=axes + 1) as progress,
+    ):
+        from bayescal.api.axes import compare
+        from bayescal.comparison.many import can_defend
 
-    # Each axis's orders, and last its noise models.
-    models = (len(shared.orders_of(options)) + 1) * shared.axes_of(options)
-    with many_or_few(options) as points, shared.Progress(options, models) as progress:
         return compare(
             points,
             defend=can_defend(points),

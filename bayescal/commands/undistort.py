@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> int:
     real = RealCamera(camera, fitted.intrinsics, fitted.coefficients, *fitted.size)
     ideal = ideal_camera(real, field)
     where, failed = table(real, ideal), []
-    with shared.Progress(options, len(places), "undistorting", "image") as progress:
+    with shared.Progress(options, len(places), "undistorting") as progress:
         for path, place in places.items():
             progress.named(path.name)
             why = _undistort(path, place, where, real, force=options.force)

@@ -147,7 +147,8 @@ def _compare(
     )
     if not settings.defend:
         return plain
-    _tell(progress, Key.of_axis(data.axis, 0, shape.name))
+    if progress is not None:
+        progress(f"defence of {data.axis}", 0)
     return _defended(replace(plain, adequacy=tests), axis, around, store, settings)
 
 
