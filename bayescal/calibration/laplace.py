@@ -28,6 +28,7 @@ SIGMA_BOUNDS = (0.01, 10.0)  # px
 REACH = 50.0  # diagonals: positions of the target are uniform within it
 # Rotations are uniform (8 pi^2 is their volume), positions within a ball.
 LOG_POSE = -math.log(8 * math.pi**2) - math.log(4 / 3 * math.pi * REACH**3)
+NEGLIGIBLE = 16.0  # nat below the best: combinations of strengths that are dropped after a step
 STEPS = 4  # of sigma and mode in turn: it falls by about a thousand a step near the mode
 
 
@@ -69,7 +70,7 @@ class Laplace:
     ----------
     log_evidence : float
     log_mass : Array
-        Log evidence of each combination times its share, ``(n_combinations,)``.
+        Log evidence of each combination that matters times its share, ``(n_combinations,)``.
     step : Array
         Mode of each, from where residuals were linearised, ``(n_combinations, d)``.
     precision : Array
@@ -124,14 +125,20 @@ def laplace(
     nu, d = degrees(data), len(x)
     a, towards = reduced.precision, prior.mean - x
     variance = level.variance(np.full(len(prior.log_weight), reduced.sum_of_squares), nu)
-    for _ in range(STEPS if level.sigma is None else 1):
-        pull = prior.precision * towards
+    for turn in range(STEPS if level.sigma is None else 1):
         precision = a / variance[:, None, None] + _diagonal(prior.precision)
+        pull = prior.precision * towards
         step = _solve(precision, reduced.slope / variance[:, None] + pull)
         uphill = step @ a - reduced.slope  # half the slope of S
         squares = reduced.sum_of_squares + ((uphill - reduced.slope) * step).sum(axis=1)
         squares = np.maximum(squares, np.finfo(float).tiny)
         variance = level.variance(squares, nu)
+        if turn == 0 and len(variance) > 1:
+            fit = _fit(level, squares, nu, prior, step - towards)
+            rough = fit - np.linalg.slogdet(precision)[1] / 2
+            kept = np.flatnonzero(rough > rough.max() - NEGLIGIBLE)
+            prior = prior.only(kept)
+            step, uphill, squares, variance = (v[kept] for v in (step, uphill, squares, variance))
     curvature = a / variance[:, None, None] + _diagonal(prior.precision)
     ratio = np.zeros(len(squares))
     if level.sigma is None:
@@ -140,30 +147,38 @@ def laplace(
         bent = curvature - 2 / (nu * variance[:, None, None] ** 2) * (
             uphill[:, :, None] * uphill[:, None, :]
         )
-        sound = np.linalg.eigvalsh(bent)[:, 0] > 0
-        curvature = np.where(sound[:, None, None], bent, curvature)
+        curvature = _positive(bent, curvature)
         share = np.trace(
             np.linalg.solve(curvature, np.broadcast_to(a, curvature.shape)), axis1=1, axis2=2
         )
         share = np.clip(share / variance, 0, d)
         ratio = gammaln((nu - share) / 2) - gammaln(nu / 2) + share / 2 * math.log(nu / 2)
-    deviation = (step - towards) ** 2
-    log_mass = (
-        level.log_density(squares, nu)
-        + prior.log_weight
-        + prior.log_density
-        - 0.5 * (prior.precision * deviation).sum(axis=1)
-        + d / 2 * LOG_2PI
-        - 0.5 * np.linalg.slogdet(curvature)[1]
-        + ratio
-    )
+    log_mass = _fit(level, squares, nu, prior, step - towards) + ratio
+    log_mass += d / 2 * LOG_2PI - 0.5 * np.linalg.slogdet(curvature)[1]
     log_mass = log_mass + constant(data, reduced.log_det, log_det_noise)
     return Laplace(float(logsumexp(log_mass)), log_mass, step, curvature)
+
+
+def _fit(level: Level, squares: Array, nu: int, prior: Strengths, deviation: Array) -> Array:
+    """Log density of data and lens at the mode of each combination, times its share."""
+    away = 0.5 * (prior.precision * deviation**2).sum(axis=1)
+    found = level.log_density(squares, nu) + prior.log_weight + prior.log_density - away
+    return np.asarray(found)
 
 
 def constant(data: Observations, log_det: float, log_det_noise: float) -> float:
     """Sum what does not depend on the lens: weights, determinants and the poses' prior, nat."""
     return data.log_weight - (log_det + log_det_noise) / 2 + data.n_views * LOG_POSE
+
+
+def _positive(wanted: Array, instead: Array) -> Array:
+    """Take matrices ``(n, d, d)`` where they are positive definite, else those `instead`."""
+    try:
+        np.linalg.cholesky(wanted)  # far sooner than eigenvalues
+    except np.linalg.LinAlgError:
+        sound = np.linalg.eigvalsh(wanted)[:, 0] > 0
+        return np.where(sound[:, None, None], wanted, instead)
+    return wanted
 
 
 def _diagonal(rows: Array) -> Array:

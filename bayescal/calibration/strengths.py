@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bayescal.arrays import LOG_2PI, Array
+from bayescal.arrays import LOG_2PI, Array, IntArray
 from bayescal.calibration.lens_model import LensModel
 
 NODES = {1: 16, 2: 16, 3: 9}  # a group, by the number of groups
@@ -33,6 +33,11 @@ class Strengths:
     log_density: Array
     log_weight: Array
     mean: Array
+
+    def only(self, kept: IntArray) -> Strengths:
+        """Keep some of the combinations."""
+        rows = (v[kept] for v in (self.precision, self.log_density, self.log_weight))
+        return Strengths(*rows, self.mean)
 
 
 def strengths(model: LensModel, nodes: int | None = None) -> Strengths:

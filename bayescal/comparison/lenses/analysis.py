@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from bayescal.calibration.averaging import averaged_draws, averaged_laplace
 from bayescal.calibration.evidence import proposal
 from bayescal.calibration.judge import Setting
@@ -68,6 +70,13 @@ def compare_lenses(
     InputError
         Where no lens can be fitted, or an option can't be used.
     """
+    with threadpool_limits(1):  # matrices are small: threads of BLAS would only wait
+        return _compared(views, request, settings, progress)
+
+
+def _compared(
+    views: Views, request: LensRequest, settings: Settings, progress: Progress
+) -> LensComparison:
     sweep = Sweep(views, request, level_of(settings))
     if degrees(sweep.data) <= 12:
         raise InputError(

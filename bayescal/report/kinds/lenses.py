@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.sampled import SampledLens
@@ -119,16 +121,17 @@ class LensesKind(RunKind[LensComparison]):
             raise InputError(
                 f"{run.folder / LENSES}: is damaged: {' '.join(str(error).split())}; {run.again}"
             ) from None
-        return concluded(
-            seen,
-            request,
-            settings,
-            setting,
-            lenses,
-            drawn,
-            impossible=impossible,
-            failures=failures,
-        )
+        with threadpool_limits(1):
+            return concluded(
+                seen,
+                request,
+                settings,
+                setting,
+                lenses,
+                drawn,
+                impossible=impossible,
+                failures=failures,
+            )
 
 
 KIND = LensesKind()
