@@ -15,41 +15,54 @@ from bayescal.inference.weighting import resampled
 FEWEST = 20  # draws: an error model with less is left out
 
 
-def problem_at(evidence: LensEvidence, setting: Setting, node: Node) -> Problem:
-    """Put a lens under an error model, settled there."""
-    if node == evidence.errors.nodes[0]:
-        return evidence.problem
-    best = evidence.problem
-    return settled(setting.problem(best.model, best.x, best.poses, node))
+class ErrorAverage:
+    """A lens under each of its error models, settled there once.
 
-
-def averaged_draws(
-    evidence: LensEvidence, setting: Setting, rng: np.random.Generator, n: int
-) -> Array:
-    """Draw a lens's coordinates with the error models averaged, ``(about n, dimension)``.
-
-    From each error model as many as its probability is worth, picked from its importance draws
-    by their weights.
+    Parameters
+    ----------
+    evidence : LensEvidence
+    setting : Setting
     """
-    shares = np.array(evidence.errors.weights)
-    counts = np.floor(shares / shares.sum() * n + 0.5).astype(int)
-    parts: list[Array] = []
-    for node, count in zip(evidence.errors.nodes, counts, strict=True):
-        if count < FEWEST and len(parts) > 0:
-            continue
-        child = rng.spawn(1)[0]
-        _, draws, log_weights = weighed(problem_at(evidence, setting, node), child, count)
-        parts.append(draws[resampled(softmax(log_weights), count, child)])
-    return np.concatenate(parts)
 
+    def __init__(self, evidence: LensEvidence, setting: Setting) -> None:
+        self.evidence, self.setting = evidence, setting
+        self._settled = {evidence.errors.nodes[0]: evidence.problem}
 
-def averaged_laplace(evidence: LensEvidence, setting: Setting) -> Array:
-    """Covariance of a lens's coordinates with the error models averaged, ``(d, d)``."""
-    shares = np.array(evidence.errors.weights)
-    kept = np.flatnonzero(shares > 0.01 * shares[0])
-    shares = shares[kept] / shares[kept].sum()
-    problems = [problem_at(evidence, setting, evidence.errors.nodes[i]) for i in kept]
-    means = np.array([p.x + p.laplace.mean for p in problems])
-    gap = means - shares @ means
-    within = np.einsum("k,kij->ij", shares, np.array([p.laplace.covariance for p in problems]))
-    return np.asarray(within + (gap * shares[:, None]).T @ gap)
+    def problem(self, node: Node) -> Problem:
+        """Put the lens under an error model."""
+        if node not in self._settled:
+            best = self.evidence.problem
+            self._settled[node] = settled(
+                self.setting.problem(best.model, best.x, best.poses, node)
+            )
+        return self._settled[node]
+
+    def draws(self, rng: np.random.Generator, n: int) -> Array:
+        """Draw the lens's coordinates, the error models averaged, ``(about n, dimension)``.
+
+        From each error model as many as its probability is worth, picked from its importance
+        draws by their weights.
+        """
+        errors = self.evidence.errors
+        shares = np.array(errors.weights)
+        counts = np.floor(shares / shares.sum() * n + 0.5).astype(int)
+        parts: list[Array] = []
+        for node, count in zip(errors.nodes, counts, strict=True):
+            if count < FEWEST and len(parts) > 0:
+                continue
+            child = rng.spawn(1)[0]
+            _, draws, log_weights = weighed(self.problem(node), child, count)
+            parts.append(draws[resampled(softmax(log_weights), count, child)])
+        return np.concatenate(parts)
+
+    def covariance(self) -> Array:
+        """Covariance of the lens's coordinates, the error models averaged, ``(d, d)``."""
+        errors = self.evidence.errors
+        shares = np.array(errors.weights)
+        kept = np.flatnonzero(shares > 0.01 * shares[0])
+        shares = shares[kept] / shares[kept].sum()
+        problems = [self.problem(errors.nodes[i]) for i in kept]
+        means = np.array([p.x + p.laplace.mean for p in problems])
+        gap = means - shares @ means
+        within = np.einsum("k,kij->ij", shares, np.array([p.laplace.covariance for p in problems]))
+        return np.asarray(within + (gap * shares[:, None]).T @ gap)

@@ -36,8 +36,9 @@ class Strengths:
 
     def only(self, kept: IntArray) -> Strengths:
         """Keep some of the combinations."""
-        rows = (v[kept] for v in (self.precision, self.log_density, self.log_weight))
-        return Strengths(*rows, self.mean)
+        return Strengths(
+            self.precision[kept], self.log_density[kept], self.log_weight[kept], self.mean
+        )
 
 
 def strengths(model: LensModel, nodes: int | None = None) -> Strengths:

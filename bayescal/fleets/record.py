@@ -80,7 +80,7 @@ class Record:
     @classmethod
     def of_lenses(cls, found: LensComparison) -> Record:
         """Keep what a comparison of lenses says."""
-        return cls(found.views.n_points, found.request.seed, found.sound, (_lens(found),))
+        return cls(found.views.n_points, found.settings.seed, found.sound, (_lens(found),))
 
     def to_json(self) -> dict[str, Any]:
         """Give JSON values."""
@@ -154,17 +154,17 @@ def _lens(found: LensComparison) -> Choice:
     for lens in found.lenses:
         values = lens.model.report(lens.fit.x, diagonal).tolist()
         of_best = sampled if lens is best else {}
-        parameters[lens.key] = {
+        parameters[lens.name] = {
             name: Estimate(value, of_best[name].sd if name in of_best else None)
             for name, value in zip(lens.model.names, values, strict=True)
         }
     verdict = found.verdict
     return Choice(
         LENS,
-        best.key,
+        best.name,
         verdict.status,
         verdict.plausible,
-        {lens.key: lens.probability for lens in found.lenses},
+        {lens.name: lens.probability for lens in found.lenses},
         Estimate(best.rms / math.sqrt(2), None),
         parameters,
     )

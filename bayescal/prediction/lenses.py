@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.averaging import averaged_draws
+from bayescal.calibration.averaging import ErrorAverage
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.prediction.alignment import absorbed_turns
@@ -89,7 +89,7 @@ def lens_member(
 def _lens_draws(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) -> Array:
     """Draws of a lens as a member has them, ``(KEPT, d)``."""
     best = judged.name == found.best.name
-    draws = found.draws if best else averaged_draws(judged.evidence, found.setting, rng, KEPT)
+    draws = found.draws if best else ErrorAverage(judged.evidence, found.setting).draws(rng, KEPT)
     intrinsics, k, _ = judged.evidence.problem.model.physical(thinned(draws))
     return np.concatenate([np.log(intrinsics[:, :2]), intrinsics[:, 2:], k], axis=1)
 

@@ -11,7 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.calibration.averaging import averaged_laplace
+from bayescal.calibration.averaging import ErrorAverage
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import INFERRED
 from bayescal.comparison.judging import judge_all
@@ -158,7 +158,7 @@ def mean_square(found: Weighed, intrinsics: Array) -> float:
     problem = evidence.problem
     truth = problem.model.coordinates(intrinsics, np.zeros(len(problem.model.lens.names)))[:4]
     best = (problem.x + problem.laplace.mean)[:4]
-    variance = np.diag(averaged_laplace(evidence, found.setting))[:4]
+    variance = np.diag(ErrorAverage(evidence, found.setting).covariance())[:4]
     return float(((best - truth) ** 2 / variance).mean())
 
 

@@ -111,8 +111,8 @@ def test_the_page_of_a_run(run: Path, made: LensComparison, tmp_path: Path) -> N
     assert done.code == 0
     assert made.verdict.text in done.out
     page = place.read_text(encoding="utf-8")
-    for kind in figure_kinds("lenses"):
-        assert f'id="figure-{kind}"' in page
+    for kind, figure in figure_kinds("lenses").items():
+        assert (f'id="figure-{kind}"' in page) == (figure.of == "lenses")
     for name in made.views.names:
         assert name in page
     assert "http" not in page.replace("http://www.w3.org", "")  # nothing from outside

@@ -8,7 +8,7 @@ from typing import Any
 
 from threadpoolctl import threadpool_limits
 
-from bayescal.calibration.averaging import averaged_draws, averaged_laplace
+from bayescal.calibration.averaging import ErrorAverage
 from bayescal.calibration.evidence import proposal
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level, degrees
@@ -177,10 +177,10 @@ def _apart(lenses: tuple[JudgedLens, ...], setting: Setting) -> tuple[JudgedLens
 def _drawn(best: JudgedLens, setting: Setting, request: LensRequest, settings: Settings) -> Drawn:
     problem = best.evidence.problem
     for_chains, for_draws = best.key.rng(settings.seed, 1).spawn(2)
-    guess = Guess(*proposal(problem))
+    guess, averaged = Guess(*proposal(problem)), ErrorAverage(best.evidence, setting)
     return Drawn(
         sample_model(SampledLens(problem), for_chains, settings.ess, guess, request.draws),
-        averaged_draws(best.evidence, setting, for_draws, request.draws),
-        averaged_laplace(best.evidence, setting),
+        averaged.draws(for_draws, request.draws),
+        averaged.covariance(),
         halves(problem),
     )
