@@ -27,6 +27,7 @@ from bayescal.prediction.sights import Sights, image_grid, sights
 from bayescal.rounding import significant
 
 TESTED = (9, 7)  # places over the image that are compared
+SHOWN = (25, 19)  # and drawn
 PAIRED = 20  # pairings of the draws: p-values to 5e-5
 LEAST = 1e-10  # of the largest variance: directions below it are rounding
 LEVEL = 0.05
@@ -59,8 +60,6 @@ class Change:
         Whether the cameras' places in the world are compared too.
     hull : Array
         Corners of the hull of the first's calibration points, ``(m, 2)``, px.
-    flipped : bool
-        Whether c is counted from the image's bottom.
     """
 
     p_value: float
@@ -73,7 +72,6 @@ class Change:
     named: Change | None
     posed: bool
     hull: Array
-    flipped: bool
 
     @property
     def extrapolated(self) -> BoolArray:
@@ -148,13 +146,12 @@ def changed(
 
     def over(places: Sights, shape: tuple[int, int], named: Change | None) -> Change:
         moved, sd = _over(one, two, places, rng)
-        hull, flipped = first.pixel_hull, first.c_from_bottom
-        return Change(
-            p_value, bound, rms, places, shape, moved, sd, named, one.posed, hull, flipped
-        )
+        hull = first.pixel_hull
+        return Change(p_value, bound, rms, places, shape, moved, sd, named, one.posed, hull)
 
     named = _common(sights(first, named_pixels(first)), first, second)
-    return over(grid, TESTED[::-1], over(named, (len(NAMES), 1), None))
+    shown = _common(sights(first, image_grid(first, *SHOWN)), first, second)
+    return over(shown, SHOWN[::-1], over(named, (len(NAMES), 1), None))
 
 
 def _check(first: CalibratedCamera, second: CalibratedCamera) -> None:

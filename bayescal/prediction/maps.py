@@ -76,8 +76,6 @@ class ImageMaps:
     hull : Array
         Corners of the hull of the calibration points, ``(m, 2)``, px.
     chosen : str
-    flipped : bool
-        Whether c is counted from the image's bottom.
     named : ImageMaps or None
         The same at the places of the image that have `NAMES`; None where these are they.
     """
@@ -90,7 +88,6 @@ class ImageMaps:
     differences: tuple[ModelDifference, ...]
     hull: Array
     chosen: str
-    flipped: bool
     named: ImageMaps | None
 
     @property
@@ -157,16 +154,14 @@ def _maps(
         differences(camera, places),
         camera.pixel_hull,
         camera.chosen.name,
-        camera.c_from_bottom,
         named,
     )
 
 
 def named_pixels(camera: CalibratedCamera) -> Array:
     """Pixels of the `NAMES` as recorded, ``(9, 2)``, px."""
-    (left, low), (right, high) = extent(camera)
-    top, bottom = (high, low) if camera.c_from_bottom else (low, high)
-    r, c = (left + right) / 2, (low + high) / 2
+    (left, top), (right, bottom) = extent(camera)  # recorded rows are counted from the top
+    r, c = (left + right) / 2, (top + bottom) / 2
     edges = [[r, c], [left, c], [right, c], [r, top], [r, bottom]]
     return np.array([*edges, [left, top], [right, top], [left, bottom], [right, bottom]])
 

@@ -13,7 +13,7 @@ def draw(change: Change) -> Figure:
     """Draw the change, and its standard deviation beside it."""
     figure, (moved, sd) = image_panels(change, 2)
     draw_map(moved, change, change.size, "change")
-    draw_shifts(moved, change, change.shift, 1)
+    draw_shifts(moved, change, change.shift, 3)
     draw_map(sd, change, change.sd, "its sd")
     settle(figure)
     return figure

@@ -32,8 +32,6 @@ class Mapped(Protocol):
     def extrapolated(self) -> BoolArray: ...  # noqa: D102
     @property
     def hull(self) -> Array: ...  # noqa: D102
-    @property
-    def flipped(self) -> bool: ...  # noqa: D102
 
 
 def image_panels(maps: Mapped, number: int) -> tuple[Figure, list[Axes]]:
@@ -49,7 +47,7 @@ def image_panels(maps: Mapped, number: int) -> tuple[Figure, list[Axes]]:
         extra.set_axis_off()
     for panel in every[:number]:
         panel.set_xlim(low[0], high[0])
-        panel.set_ylim(*((low[1], high[1]) if maps.flipped else (high[1], low[1])))
+        panel.set_ylim(high[1], low[1])
         panel.set_aspect("equal")
         panel.set_xlabel("r [px]")
         panel.set_ylabel("c [px]")
