@@ -7,47 +7,32 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from importlib import import_module
 from typing import Any, NoReturn
 
-from bayescal.commands import (
-    calibrate,
-    changed,
-    compare,
-    detect,
-    fit,
-    fleet,
-    locate,
-    map,
-    outliers,
-    plot,
-    predict,
-    report,
-    reproduce,
-    simulate,
-    undistort,
-)
 from bayescal.commands.output import BAD_INPUT, DONE
 from bayescal.commands.streams import discard, prepared
 from bayescal.errors import BayescalError
 from bayescal.version import __version__
 
+# A command is a module in commands/ of its name, imported where it is asked for.
 COMMANDS = {
-    "calibrate": calibrate,
-    "changed": changed,
-    "compare": compare,
-    "detect": detect,
-    "fit": fit,
-    "fleet": fleet,
-    "locate": locate,
-    "map": map,
-    "outliers": outliers,
-    "plot": plot,
-    "predict": predict,
-    "report": report,
-    "reproduce": reproduce,
-    "simulate": simulate,
-    "undistort": undistort,
+    "calibrate": "compare lens models over many views of a target",
+    "changed": "is the camera still the same?",
+    "compare": "compare polynomial orders",
+    "detect": "find a target's points in photographs (needs OpenCV)",
+    "fit": "fit one model and print it in full",
+    "fleet": "judge many cameras, and say which are odd (needs Dask)",
+    "locate": "what do these pixels look at?",
+    "map": "where in the image can the calibration be believed?",
+    "outliers": "find bad points, and whether the order depends on them",
+    "plot": "one figure of a comparison",
+    "predict": "where do these points appear in the image?",
+    "report": "one page to attach to a calibration (HTML, PDF)",
+    "reproduce": "the thesis's own procedure, as written and as coded",
+    "simulate": "make points from a known truth",
+    "undistort": "take the distortion out of photographs (needs OpenCV)",
 }
 
 
@@ -110,7 +95,8 @@ def _answered(given: list[str]) -> int:
 
 
 def _run(given: list[str]) -> int:
-    parser = make_parser()
+    # Nothing but options of the parser's own stands before a command.
+    parser = make_parser(word for word in given if word in COMMANDS)
     options, rest = parser.parse_known_args(given)
     # Before Python 3.13 an optional POINTS or VIEWS that stands behind options is left over.
     for name in ("points", "views"):
@@ -145,8 +131,8 @@ def _one_line(message: str) -> str:
     return "".join(c if c.isprintable() else "?" for c in folded)
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """Make the parser of every command, without anything heavy."""
+def make_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
+    """Make the parser, with the arguments of some commands, by default of all."""
     parser = _Parser(
         prog="bayescal",
         description="Bayesian uncertainty analysis for camera calibration: "
@@ -156,8 +142,13 @@ def make_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"bayescal {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for name, module in COMMANDS.items():
-        command = commands.add_parser(name, help=module.HELP, description=module.DESCRIPTION)
+    wanted = set(names)
+    for name, told in COMMANDS.items():
+        if name not in wanted:
+            commands.add_parser(name, help=told)
+            continue
+        module = import_module(f"bayescal.commands.{name}")
+        command = commands.add_parser(name, help=told, description=module.DESCRIPTION)
         module.add_arguments(command)
         command.set_defaults(run=module.run)
     return parser

@@ -1,13 +1,12 @@
 """Time and memory of a comparison from 57 to ten million points; a reduction's speed and digits."""
 
-import os
-import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
 
 import numpy as np
+from benchmark import spent
 
 from bayescal.linear.least_squares import factorise
 from bayescal.linear.reduction import Reduction
@@ -35,16 +34,6 @@ def write(path: Path, n: int) -> None:
         np.lib.format.write_array_header_1_0(stream, head)
         for i in range(0, n, CHUNK):
             points(min(CHUNK, n - i), seed=i).tofile(stream)
-
-
-def compared(path: Path) -> tuple[float, float]:
-    """Run the comparison of a file: seconds of processor time, peak memory in MB."""
-    with subprocess.Popen([*COMMAND, str(path)], stdout=subprocess.DEVNULL) as process:
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise SystemExit(f"compare of {path} failed with exit code {process.returncode}")
-    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3
 
 
 def reduce(x: np.ndarray, t: np.ndarray, order: int) -> Reduction:
@@ -116,7 +105,7 @@ def main() -> None:
         for n in counts:
             path = Path(folder) / "points.npy"
             write(path, n)
-            used, memory = compared(path)
+            used, memory = spent([*COMMAND, str(path)])
             print(f"| {n:,} | {used:.1f} | {memory:.0f} |", flush=True)
     print(f"\n{speed()}\n{digits()}")
 

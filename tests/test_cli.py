@@ -8,6 +8,7 @@ import json
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -201,9 +202,8 @@ def test_help_lists_every_command() -> None:
     done = here("--help")
     assert done.code == 0
     assert {"compare", "fit"} <= set(COMMANDS)
-    for name, module in COMMANDS.items():
+    for name in COMMANDS:
         assert re.search(rf"^ +{name}\s+\S", done.out, re.MULTILINE)
-        assert module.HELP
 
 
 @pytest.mark.parametrize("name", COMMANDS)
@@ -211,7 +211,7 @@ def test_help_of_a_command_explains_every_option(name: str) -> None:
     done = here(name, "--help")
     assert (done.code, done.err) == (0, "")
     parser = argparse.ArgumentParser(prog=name)
-    COMMANDS[name].add_arguments(parser)
+    import_module(f"bayescal.commands.{name}").add_arguments(parser)
     declared = {option: a.help for a in parser._actions for option in a.option_strings}
     for option in {"compare": COMPARE, "fit": FIT}.get(name, "").split():
         assert option in declared

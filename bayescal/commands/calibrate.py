@@ -13,7 +13,6 @@ from bayescal.commands.view_options import add_views, views
 if TYPE_CHECKING:
     from bayescal.comparison.lenses.results import LensComparison
 
-HELP = "compare lens models over many views of a target"
 DESCRIPTION = (
     "Compare lens models over many photographs of a target, by evidence with the poses "
     "integrated out. What makes the errors (neighbouring points that share them, points of the "

@@ -9,7 +9,6 @@ from bayescal.commands.camera import add_average, add_output, check_rows, publis
 from bayescal.commands.output import DONE
 from bayescal.errors import InputError
 
-HELP = "is the camera still the same?"
 DESCRIPTION = (
     "Compare two calibrations of one camera, such as before and after a knock: how far their "
     "predictions lie apart over the image, and whether by more than both posteriors allow."

@@ -11,7 +11,6 @@ from bayescal.commands.many import many_or_few
 from bayescal.commands.output import add_output, check_output, deliver
 from bayescal.errors import InputError
 
-HELP = "compare polynomial orders"
 DESCRIPTION = "Compare polynomial orders of r(x/z) and c(y/z), each sampled with emcee."
 
 

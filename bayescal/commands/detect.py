@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from bayescal.detection.detect import Detection
     from bayescal.detection.pattern import Pattern
 
-HELP = "find a target's points in photographs (needs OpenCV)"
 DESCRIPTION = (
     "Find the points of a chessboard, a ChArUco board or a grid of circles in photographs, by "
     "OpenCV, and write them as a table of views for bayescal calibrate: view,x,y,z,r,c. Pixel "

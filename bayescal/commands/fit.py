@@ -11,7 +11,6 @@ from bayescal.commands.many import many_or_few
 from bayescal.commands.output import add_output, check_file, check_output, deliver
 from bayescal.errors import InputError
 
-HELP = "fit one model and print it in full"
 DESCRIPTION = "Fit one order per axis, sampled with emcee, and print the model in full."
 
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from bayescal.fleets.fleet import Fleet
     from bayescal.fleets.listed import Listed
 
-HELP = "judge many cameras, and say which are odd (needs Dask)"
 DESCRIPTION = (
     "Judge many cameras as bayescal compare does (with --calibrate as bayescal calibrate), on many "
     "processes or on a Dask cluster, and say which of them are not like the others. The folder "

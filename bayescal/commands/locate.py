@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from bayescal.prediction.calibrated import CalibratedCamera
     from bayescal.prediction.locate import Surface
 
-HELP = "what do these pixels look at?"
 DESCRIPTION = (
     "Locate what measured pixels look at by a calibrated camera: directions, or points of the "
     "world at a known depth z or on a known plane, distances of pairs with their expanded "

@@ -8,7 +8,6 @@ from bayescal.commands.camera import add_camera, add_output, camera_of, check_ro
 from bayescal.commands.output import DONE
 from bayescal.errors import InputError
 
-HELP = "where in the image can the calibration be believed?"
 DESCRIPTION = (
     "Standard deviation of the mapping and of a new measurement over the image, and what each "
     "other plausible model would move, in pixels. Figures: bayescal plot sd-map RUN, "

@@ -7,7 +7,6 @@ import argparse
 from bayescal.commands import options as shared
 from bayescal.commands.output import add_output, check_output, deliver
 
-HELP = "find bad points, and whether the order depends on them"
 DESCRIPTION = (
     "Measure every point on each axis (residual, leverage, Cook's distance, chi-squared rejection, "
     "posterior probability of being bad, influence on the order), explain the suspicious ones, and "

@@ -22,7 +22,6 @@ from bayescal.report.figures.registry import (
 if TYPE_CHECKING:
     from bayescal.comparison.results import Comparison
 
-HELP = "one figure of a comparison"
 DESCRIPTION = (
     "Draw one figure of a comparison, made now from POINTS or reopened from a RUN that compare "
     "--out wrote. What the figure needs, such as the defence, is computed. Of a RUN that compare "

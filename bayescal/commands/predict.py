@@ -8,7 +8,6 @@ from bayescal.commands.camera import add_camera, add_rows, camera_of, check_rows
 from bayescal.commands.camera import read_rows as read_table
 from bayescal.commands.output import DONE
 
-HELP = "where do these points appear in the image?"
 DESCRIPTION = (
     "Predict pixels of world points by a calibrated camera: mean and sd of the mapping, sd of a "
     "new measurement and its 95 % interval, from one model or averaged over all plausible ones. "

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from bayescal.comparison.results import Comparison
     from bayescal.report.page.page import Page
 
-HELP = "one page to attach to a calibration (HTML, PDF)"
 DESCRIPTION = (
     "Write a comparison with its defence as one self-contained HTML page, made now from POINTS or "
     "reopened from a RUN that compare, fit, outliers or calibrate --out wrote."

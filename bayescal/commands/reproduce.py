@@ -7,7 +7,6 @@ import argparse
 from bayescal.commands import options as shared
 from bayescal.commands.output import DONE, add_output, check_output, publish
 
-HELP = "the thesis's own procedure, as written and as coded"
 DESCRIPTION = (
     "Least squares of orders 1-5 of r and c as the thesis writes them (eq. 33-53) and as its "
     "listing codes them (Appendix B: r's third and higher powers from y/z), and the elimination "

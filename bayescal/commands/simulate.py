@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from bayescal.points.setup import Setup
     from bayescal.simulation import Truth
 
-HELP = "make points from a known truth"
 DESCRIPTION = (
     "Make points whose orders, coefficients and noise are known, to try the verdict on. The truth "
     "stands in the file as comments. Unless --like is given the world points are drawn in front "

@@ -15,7 +15,6 @@ from bayescal.errors import InputError, OutputError
 if TYPE_CHECKING:
     from bayescal.cameras.undistortion import Field, IdealCamera, RealCamera, Table
 
-HELP = "take the distortion out of photographs (needs OpenCV)"
 DESCRIPTION = (
     "Make photographs as a camera without distortion would have taken them, from the camera that "
     "bayescal calibrate --camera opencv FILE.yml, OpenCV or ROS wrote. The folder gets the "

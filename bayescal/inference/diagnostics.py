@@ -92,7 +92,7 @@ def _sizes(draws: Array) -> Array:
     tail = np.minimum(_size(low.astype(float)), _size(high.astype(float)))
     squares = (halves - draws.mean(axis=(0, 1))) ** 2
     found = np.array([_size(_ranked(halves)), tail, _size(halves), _size(squares)])
-    return np.where(np.isnan(draws).any(axis=(0, 1)), np.nan, found)
+    return np.asarray(np.where(np.isnan(draws).any(axis=(0, 1)), np.nan, found))
 
 
 def _split(draws: Array) -> Array:
@@ -120,7 +120,7 @@ def _size(chains: Array) -> Array:
     times = np.array([_time(column) for column in correlation.T])
     total = count * n
     still = np.ptp(chains, axis=(0, 1)) < CONSTANT
-    return np.where(still, total, total / np.maximum(times, 1 / math.log10(total)))
+    return np.asarray(np.where(still, total, total / np.maximum(times, 1 / math.log10(total))))
 
 
 def _time(correlation: Array) -> float:

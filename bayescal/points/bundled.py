@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
-from bayescal.points.views.reader import load_views
-from bayescal.points.views.views import Views
+
+if TYPE_CHECKING:  # points do not pay for the readers of views
+    from bayescal.points.views.views import Views
 
 
 def data_folder() -> Path:
@@ -41,5 +43,7 @@ def chessboard() -> Views:
         54 inner corners each, squares of 25 mm (as OpenCV's sample takes them), image 640
         by 480 px.
     """
+    from bayescal.points.views.reader import load_views
+
     found = load_views(data_folder() / "chessboard" / "views.csv")
     return dataclasses.replace(found, source="chessboard")

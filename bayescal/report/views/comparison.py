@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from bayescal.comparison.averaging import averaged_words
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.report.blocks import Block, Blocks, Facts, Part, Prose, Tabled, listed
-from bayescal.report.views.maps import map_section
+from bayescal.report.blocks import Block, Blocks, Facts, Part, Prose, Section, Tabled, listed
 from bayescal.report.views.orders import (
     adequacy,
     chains,
@@ -124,13 +123,20 @@ def title(comparison: Comparison) -> str:
     return "Which polynomial order? A camera calibration compared"
 
 
+def _maps(comparison: Comparison) -> Section | None:
+    """Show the image's maps, which the terminal has no need of."""
+    from bayescal.report.views.maps import map_section
+
+    return map_section(comparison)
+
+
 VIEWS = Views(
     title,
     about,
     brief,
     full,
     headlines,
-    {**{topic.id: topic.section for topic in TOPICS}, "maps": map_section},
+    {**{topic.id: topic.section for topic in TOPICS}, "maps": _maps},
     UNSOUND,
     {topic.id: topic.section for topic in APPENDIX},
     methods.section,
