@@ -39,6 +39,11 @@ class Verdict(ABC):
 
     @property
     @abstractmethod
+    def recommended(self) -> str:
+        """Name what is recommended."""
+
+    @property
+    @abstractmethod
     def standing(self) -> str:
         """How what is recommended stands, in a few words: what the headline says, shorter."""
 

@@ -11,7 +11,7 @@ import bayescal as bc
 from bayescal.comparison.settings import Settings, noise_level, prior_rule
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.effective_variance import with_effective_deviations, world_errors
-from bayescal.linear.least_squares import factorise
+from bayescal.linear.least_squares import factorise, solve
 from bayescal.linear.model import LinearModel
 from bayescal.linear.quadrature import clenshaw_curtis
 from bayescal.noise.gaussian import GAUSSIAN
@@ -72,6 +72,27 @@ def test_a_straight_line_has_the_slope_itself(thesis):
     np.testing.assert_allclose(found.sd, expected, rtol=1e-9)
     assert level.source == "known"
     assert "effective variances" in words
+
+
+@pytest.mark.parametrize("error", [0.01, 0.05])
+def test_slopes_are_attenuated_by_the_reliability_ratio(error):
+    """Truth 1400 (w / 1 px) at depth 1: least squares finds it times var(w) / (var(w) + error²).
+
+    At 0.01, 14 px, that is 0.08 % of the slope; at 0.05 it is 2 %, many of its standard errors.
+    """
+    rng, n = np.random.default_rng(1), 40_000
+    x = rng.uniform(-0.6, 0.6, n)
+    pixels = np.column_stack([960 + 1400 * x, np.zeros(n)]) + rng.normal(0, 0.5, (n, 2))
+    world = np.column_stack([x + rng.normal(0, error, n), rng.uniform(-0.3, 0.3, n), np.ones(n)])
+    setup = bc.Setup(width=1920.0, height=1080.0, world_sigma=(error, 0.0, 0.0))
+    points = bc.Correspondences.from_arrays(world, pixels, setup=setup)
+    data = noise_level(axis_data(points, "r"), Settings(sigma=0.5), None, 1).data
+    factors = factorise(data, 1)
+    fit = solve(factors, 1, 1.0)
+    reliability = 0.12 / (0.12 + error**2)
+    assert abs(fit.coefficients[1] - 1400 * reliability) < 4 * fit.standard_errors[1]
+    attenuated = (1400 - fit.coefficients[1]) / fit.standard_errors[1]
+    assert (attenuated > 10) == (error > 0.03)
 
 
 def test_no_world_errors_leave_the_pixels_alone(thesis):

@@ -23,7 +23,7 @@ RIVALS = 6
 # Groups beyond which taking each out in turn takes minutes.
 MOST_GROUPS = 60
 LEFT_OUT = (
-    "Not done for models of r and c together, which would all be sampled again: bootstrap, and "
+    "Not done for joint models, which would all be sampled again: bootstrap, and "
     "other noise (--noise student-t compares under it)."
 )
 

@@ -173,6 +173,11 @@ class FamilyVerdict(Verdict):
     log_bayes_factor: float | None
 
     @property
+    def recommended(self) -> str:
+        """Name the most probable model."""
+        return str(self.best)
+
+    @property
     def standing(self) -> str:
         """How the most probable model stands, in a few words."""
         if self.compared == 1:

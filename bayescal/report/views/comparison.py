@@ -19,6 +19,7 @@ from bayescal.report.views.orders import (
     table,
     verdict,
 )
+from bayescal.report.views.remember import remembered
 from bayescal.report.views.views import Views, axis_title
 from bayescal.rounding import grouped
 
@@ -56,7 +57,11 @@ def brief(comparison: Comparison) -> Blocks:
     if any(axis.defence is None for axis in comparison.axes.values()):
         more = "leave-one-out, prior sensitivity, stability, adequacy, other noise, orders beyond"
         blocks.append(Prose(f"Would it persuade a referee? --defend adds {more}."))
-    return (*blocks, *sampling(comparison))
+    blocks += sampling(comparison)
+    if all(axis.defence is not None for axis in comparison.axes.values()):
+        verdicts = {name: axis.verdict for name, axis in comparison.axes.items()}
+        blocks.append(remembered(verdicts))
+    return tuple(blocks)
 
 
 def full(comparison: Comparison) -> Blocks:

@@ -40,6 +40,7 @@ from bayescal.report.views.families.words import (
 )
 from bayescal.report.views.maps import map_section
 from bayescal.report.views.orders.adequacy import adequacy_blocks
+from bayescal.report.views.remember import remembered
 from bayescal.report.views.views import Views
 from bayescal.rounding import significant
 
@@ -72,6 +73,7 @@ def brief(found: FamilyComparison) -> Blocks:
         *(parameters(model, found) for model in told),
         *more_words(found),
         *sampling(found),
+        *((remembered({"": found.verdict}),) if found.defence else ()),
     )
 
 

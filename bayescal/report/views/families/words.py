@@ -92,12 +92,15 @@ def models_notes(found: FamilyComparison, rows: Iterable[int], rest: str) -> lis
     if not all(m.sound for m in shown):
         notes.append("! marks an evidence that should not be trusted; the caveats say why.")
     loos = [m.loo for m in shown if m.loo is not None]
+    errors = [loo.mcse for loo in loos if loo.reliable]
     refits = sum(len(loo.refitted) for loo in loos)
     if refits:
+        largest = significant(max(errors, default=0.0), 1)
         notes.append(
             f"elpd: {counted(refits, 'term')} whose importance weights had a heavy tail (Pareto k "
-            "from 0.4) come from the evidence without the point. Monte Carlo errors of elpd: at "
-            f"most {significant(max(loo.mcse for loo in loos), 1)}."
+            "from 0.4) come from the evidence without the point."
+            + f" Monte Carlo errors of elpd: at most {largest}."
+            * bool(errors)
         )
     if len(loos) < len(shown):
         notes.append(

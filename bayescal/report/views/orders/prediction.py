@@ -9,7 +9,7 @@ from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Blocks, Figure, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.views import Topic
-from bayescal.report.views.words import one_decimal
+from bayescal.report.views.words import MARK, one_decimal
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
     from bayescal.comparison.defence.results import Defence
@@ -17,11 +17,13 @@ if TYPE_CHECKING:  # a comparison without a defence does not pay for it
 
 EXACT_ELPD = (
     "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
-    "PSIS: the same from the draws, with its Monte Carlo error."
+    "PSIS: the same from the draws, with its Monte Carlo error; ?: none can be told, as a Pareto k "
+    "is too large."
 )
 SAMPLED_ELPD = (
     "elpd: leave-one-out from the draws (PSIS), one pixel value left out at a time, with its "
-    "Monte Carlo error beside PSIS; behind: the best order."
+    "Monte Carlo error beside PSIS (?: none can be told, as a Pareto k is too large); behind: the "
+    "best order."
 )
 
 
@@ -119,7 +121,8 @@ def _psis_cells(found: LeaveOneOut | None) -> list[Cell]:
     if found is None or found.largest_k is None:
         return [Cell(""), Cell("")]
     k = found.largest_k
+    error = f" ± {one_decimal(found.mcse)}" if found.reliable else MARK
     return [
-        Cell(f"{one_decimal(found.elpd)} ± {one_decimal(found.mcse)}", found.elpd),
+        Cell(f"{one_decimal(found.elpd)}{error}", found.elpd),
         Cell(f"{k:.2f}" if k < 10 else "bad", k),
     ]

@@ -1,0 +1,58 @@
+"""Three lines to remember of a defended comparison."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from bayescal.comparison.conclusion import Verdict
+from bayescal.comparison.findings.advice import next_step
+from bayescal.comparison.findings.finding import ordered
+from bayescal.comparison.verdict import percent
+from bayescal.report.blocks import Listing, Part
+
+ENOUGH = "nothing: use it"
+
+
+def remembered(verdicts: Mapping[str, Verdict]) -> Part:
+    """Say what is recommended, what stands against it, and what to do next.
+
+    Parameters
+    ----------
+    verdicts : mapping of str to Verdict
+        By axis; under an empty name where there is one for all.
+    """
+    chosen = [
+        " ".join(filter(None, (name and f"{name}:", v.recommended, _chance(v))))
+        for name, v in verdicts.items()
+    ]
+    against: dict[str, list[str]] = {}
+    for name, verdict in verdicts.items():
+        for why in verdict.withheld or _open(verdict):
+            against.setdefault(why, []).append(name)
+    reasons = [why + _of(names, len(verdicts)) for why, names in against.items()]
+    step = next_step(ordered(f for v in verdicts.values() for f in v.findings))
+    lines = (
+        f"Recommended: {'; '.join(chosen)}.",
+        f"Against it: {'; '.join(reasons) or 'nothing that was looked for'}.",
+        f"Next: {step or ('more or better points' if reasons else ENOUGH)}.",
+    )
+    return Part("Remember", (Listing(lines),))
+
+
+def _chance(verdict: Verdict) -> str:
+    return f"({percent(verdict.chances[0])})" if verdict.chances else ""
+
+
+def _open(verdict: Verdict) -> tuple[str, ...]:
+    """Say what is not excluded."""
+    if verdict.decided or len(verdict.plausible) < 2:
+        return ()
+    others = ", ".join(map(str, verdict.plausible[1:4]))
+    more = " and more" if len(verdict.plausible) > 4 else ""
+    noun = "order " if isinstance(verdict.plausible[1], int) else ""
+    return (f"{noun}{others}{more} not excluded",)
+
+
+def _of(names: list[str], every: int) -> str:
+    """Name the axes that a reason is of, where it is not of all."""
+    return f" ({', '.join(names)})" if len(names) < every else ""
