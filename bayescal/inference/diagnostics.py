@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy.fft import next_fast_len
 from scipy.special import ndtri
-from scipy.stats import rankdata
 
 from bayescal.arrays import Array
 
@@ -104,7 +103,9 @@ def _split(draws: Array) -> Array:
 def _ranked(chains: Array) -> Array:
     """Give normal scores of the ranks among all draws of a parameter (eq. 14)."""
     flat = chains.reshape(-1, chains.shape[2])
-    ranks = rankdata(flat, axis=0)
+    from scipy.stats import rankdata  # half a second that reading draws need not wait for
+
+    ranks = np.asarray(rankdata(flat, axis=0))
     return np.asarray(ndtri((ranks - 3 / 8) / (len(flat) + 1 / 4)).reshape(chains.shape))
 
 

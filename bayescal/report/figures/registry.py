@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:  # the command's help lists the kinds without paying for matplotlib
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from bayescal.comparison.families.results import FamilyComparison
@@ -64,7 +65,13 @@ class FigureKind:
     needs_defence: bool = False
     of: str = "comparison"
 
-    def draw(self, result: Any, axis: str | None = None, order: int | None = None) -> Figure:
+    def draw(
+        self,
+        result: Any,
+        axis: str | None = None,
+        order: int | None = None,
+        ax: Axes | None = None,
+    ) -> Figure:
         """Draw it.
 
         Parameters
@@ -74,17 +81,19 @@ class FigureKind:
             figure of all axes.
         order : int, optional
             One of those compared; the chosen one by default.
+        ax : Axes, optional
+            Where to draw a figure of one panel.
 
         Raises
         ------
         InputError
-            Where axis or order are missing, foreign or not taken, or there is nothing
-            to draw; says why.
+            Where axis or order are missing, foreign or not taken, there is nothing
+            to draw, or too much for `ax`; says why.
         """
         subject = self._subject(result, axis, order)
         from bayescal.report.figures.style import styled
 
-        with styled():
+        with styled(ax):
             return self._module.draw(subject)
 
     def alt_text(self, result: Any, axis: str | None = None, order: int | None = None) -> str:
@@ -211,6 +220,7 @@ def plot(
     *,
     axis: str | None = None,
     order: int | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw one kind of figure of a comparison.
 
@@ -233,19 +243,22 @@ def plot(
         a figure of all axes. Families and lenses have none.
     order : int, optional
         One of those compared; the recommended one by default. Families and lenses have none.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw, of any figure: in your own style, and what has several panels not at all.
 
     Returns
     -------
     matplotlib.figure.Figure
-        Not known to pyplot; save it with its ``savefig``.
+        That of `ax`; else one not known to pyplot: save it with its ``savefig``.
 
     Raises
     ------
     InputError
-        Where there is no such kind, axis or order, or nothing to draw; says why.
+        Where there is no such kind, axis or order, nothing to draw, or too much for `ax`; says
+        why.
     """
     of = drawn_as(comparison)
     known = figure_kinds(of)
     if kind not in known:
         raise InputError(f"{kind!r} is no kind of figure of {of}; kinds: {', '.join(known)}")
-    return known[kind].draw(comparison, axis, order)
+    return known[kind].draw(comparison, axis, order, ax)

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import io
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib import colormaps, rc_context
 from matplotlib import style as looks
+from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+
+from bayescal.errors import InputError
 
 WIDTH = 7.2  # inches: two columns of a journal
 # Okabe & Ito's colours, which the colour-blind can tell apart.
@@ -63,11 +67,64 @@ _METADATA: dict[str, dict[str, None]] = {
 }
 
 
+# Axes that the user gave to be drawn in.
+_GIVEN: ContextVar[Axes | None] = ContextVar("given", default=None)
+
+
 @contextmanager
-def styled() -> Iterator[None]:
-    """Give figures their look, whatever the user's own settings are."""
-    with looks.context(["default", PAGE_STYLE]):
-        yield
+def styled(ax: Axes | None = None) -> Iterator[None]:
+    """Give figures their look, whatever the user's own settings are; axes of the user have theirs.
+
+    Parameters
+    ----------
+    ax : Axes, optional
+        What `one_panel` gives in place of axes of its own.
+
+    Raises
+    ------
+    InputError
+        Where they are none.
+    """
+    if ax is not None and not isinstance(ax, Axes):
+        raise InputError(f"ax must be axes of matplotlib, not a {type(ax).__name__}")
+    token = _GIVEN.set(ax)
+    try:
+        with nullcontext() if ax is not None else looks.context(["default", PAGE_STYLE]):
+            yield
+    finally:
+        _GIVEN.reset(token)
+
+
+def one_panel(width: float, height: float) -> tuple[Figure, Axes]:
+    """Make a figure of one panel, inches; or give the axes that the user gave, and their figure."""
+    given = _GIVEN.get()
+    if given is not None:
+        root: Figure = given.figure.canvas.figure  # theirs may be a figure within a figure
+        return root, given
+    figure = Figure(figsize=(width, height), layout="constrained")
+    return figure, figure.subplots()
+
+
+def legend_of(panel: Axes, where: str, columns: int) -> None:
+    """Say what a panel shows: outside it, or within axes that the user gave."""
+    if _GIVEN.get() is not None:
+        panel.legend()
+    else:
+        root: Any = panel.figure
+        root.legend(loc=f"outside {where}", ncols=columns)
+
+
+def several_panels(width: float, height: float, layout: Any = "constrained") -> Figure:
+    """Make an empty figure, inches, for several panels.
+
+    Raises
+    ------
+    InputError
+        Where the user gave axes.
+    """
+    if _GIVEN.get() is not None:
+        raise InputError("a figure of several panels can't be drawn in one; leave out ax")
+    return Figure(figsize=(width, height), layout=layout)
 
 
 def figure_bytes(figure: Figure, kind: str, dpi: float = 200) -> bytes:
@@ -89,7 +146,8 @@ def figure_bytes(figure: Figure, kind: str, dpi: float = 200) -> bytes:
 def settle(figure: Figure) -> None:
     """Lay a figure out for good, so that names can be placed on the page."""
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")
+    if _GIVEN.get() is None:
+        figure.set_layout_engine("none")
 
 
 def save_figure(figure: Figure, stem: Path) -> None:

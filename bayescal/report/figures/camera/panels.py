@@ -13,7 +13,15 @@ from matplotlib.patches import Patch, Polygon
 from bayescal.arrays import Array
 from bayescal.prediction.members import BoolArray
 from bayescal.prediction.sights import Sights
-from bayescal.report.figures.style import BLACK, BLUE, COLOURS, GREY, VERMILLION, WIDTH
+from bayescal.report.figures.style import (
+    BLACK,
+    BLUE,
+    COLOURS,
+    GREY,
+    VERMILLION,
+    WIDTH,
+    several_panels,
+)
 
 STEPS = np.array([v * 10.0**k for k in range(-6, 6) for v in (1, 2, 5)])
 MOST_LEVELS = 7
@@ -41,7 +49,7 @@ def image_panels(maps: Mapped, number: int) -> tuple[Figure, list[Axes]]:
     rows = -(-number // columns)
     wide, tall = high - low
     height = rows * (WIDTH / columns * 0.82 * tall / wide + SPARE) + 0.3
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
+    figure = several_panels(WIDTH, height)
     every = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
     for extra in every[number:]:
         extra.set_axis_off()

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from bayescal.arrays import Array
 from bayescal.inference.diagnostics import autocovariance
 from bayescal.report.figures.parameters import parameter_symbol
-from bayescal.report.figures.style import CYCLE, DASHES, GREY, PALE, WIDTH
+from bayescal.report.figures.style import CYCLE, DASHES, GREY, PALE, WIDTH, legend_of, one_panel
 from bayescal.report.figures.subject import Subject
 
 LAGS = 25
@@ -17,8 +17,7 @@ LAGS = 25
 def draw(subject: Subject) -> Figure:
     """Draw a line per parameter, the mean over chains, with the band of none at all."""
     posterior = subject.result.posterior
-    figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, 2.9)
     bound = _bound(posterior.chain.draws)
     label = "95 % band of\nindependent draws"
     panel.axhspan(-bound, bound, color=PALE, alpha=0.6, linewidth=0, label=label)
@@ -39,7 +38,7 @@ def draw(subject: Subject) -> Figure:
     panel.set_xlabel("lag [draws]")
     panel.set_ylabel("autocorrelation [1]")
     panel.set_title(subject.title, loc="left")
-    figure.legend(loc="outside right upper", ncols=1 + len(posterior.names) // 14)
+    legend_of(panel, "right upper", 1 + len(posterior.names) // 14)
     return figure
 
 

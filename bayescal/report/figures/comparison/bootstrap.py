@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
-from bayescal.report.figures.style import BLUE, ORANGE, PALE, WIDTH
+from bayescal.report.figures.style import BLUE, ORANGE, PALE, WIDTH, legend_of, one_panel
 from bayescal.report.figures.subject import Subject
 
 
@@ -16,8 +16,7 @@ def draw(subject: Subject) -> Figure:
     axis = subject.axis
     series = _series(axis)
     orders = list(_beyond(axis))
-    figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, 3.0)
     width = 0.8 / len(series)
     for place, ((label, shares), colour) in enumerate(
         zip(series.items(), (BLUE, ORANGE, PALE)[-len(series) :], strict=True)
@@ -34,7 +33,7 @@ def draw(subject: Subject) -> Figure:
     panel.set_ylabel("share, probability [%]")
     panel.set_title(f"{axis.data.axis}: which order wins with other points", loc="left")
     panel.tick_params(axis="x", length=0)
-    figure.legend(loc="outside lower center", ncols=3)
+    legend_of(panel, "lower center", 3)
     return figure
 
 

@@ -12,7 +12,7 @@ from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.linear.closed_form_density import Densities
 from bayescal.report.figures.parameters import parameter_label
-from bayescal.report.figures.style import BLUE, VERMILLION
+from bayescal.report.figures.style import BLUE, VERMILLION, several_panels
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import rounded
 
@@ -29,7 +29,7 @@ def draw(subject: Subject) -> Figure:
     names, draws = subject.result.posterior.names, _draws(subject)
     size = len(names)
     side = max(LEAST, PANEL * size + 1.0)
-    figure = Figure(figsize=(side, side), layout=None)
+    figure = several_panels(side, side, layout=None)
     corner.corner(
         draws,
         labels=[_label(name, subject.unit) for name in names],

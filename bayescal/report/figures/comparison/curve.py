@@ -12,7 +12,18 @@ from bayescal.inference.posterior import INTERVAL_PROBABILITY
 from bayescal.polynomials.basis import legendre_design
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import ResidualPoints
-from bayescal.report.figures.style import BLACK, BLUE, CYCLE, GREY, MANY_POINTS, SKY, WIDTH, settle
+from bayescal.report.figures.style import (
+    BLACK,
+    BLUE,
+    CYCLE,
+    GREY,
+    MANY_POINTS,
+    SKY,
+    WIDTH,
+    legend_of,
+    one_panel,
+    settle,
+)
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import significant
 
@@ -69,8 +80,7 @@ def draw(subject: Subject) -> Figure:
     axis, curve = subject.axis, Curve.of(subject)
     data, found = axis.data, ResidualPoints.of(axis, subject.result)
     left = curve.less_line(data.domain.scale(data.x), data.t)
-    figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, 3.7)
     panel.axhline(0, color=GREY, linewidth=0.8)
     label = f"{100 * INTERVAL_PROBABILITY:.0f} % of the curve"
     panel.fill_between(
@@ -97,7 +107,7 @@ def draw(subject: Subject) -> Figure:
     panel.set_ylabel(f"{data.axis} less the straight part [{subject.unit}]")
     panel.set_title(subject.title, loc="left")
     panel.margins(x=0.03, y=0.08)
-    figure.legend(loc="outside lower center", ncols=5)
+    legend_of(panel, "lower center", 5)
     settle(figure)
     places = np.column_stack([curve.x, curve.mean])
     name_points(panel, data.x, left, found.named, curve=places, lines=[0.0], names=found.names)

@@ -12,7 +12,16 @@ from bayescal.comparison.defence.sensitivity import TauSensitivity, tau_sensitiv
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
-from bayescal.report.figures.style import BLUE, CYCLE, DASHES, GREY, PALE, WIDTH
+from bayescal.report.figures.style import (
+    BLUE,
+    CYCLE,
+    DASHES,
+    GREY,
+    PALE,
+    WIDTH,
+    one_panel,
+    several_panels,
+)
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import significant
 
@@ -27,7 +36,7 @@ def draw(subject: Subject) -> Figure:
     if axis.prior.name != "field":
         return _without_tau(axis)
     found = _sensitivity(axis)
-    figure = Figure(figsize=(WIDTH, 4.0), layout="constrained")
+    figure = several_panels(WIDTH, 4.0)
     panel, strip = figure.subplots(2, 1, sharex=True, height_ratios=[1, 0.07])
     relative = found.log_evidence - found.log_evidence.max()
     floor = float(relative.max(axis=0).min()) - ROOM
@@ -93,8 +102,7 @@ def _draw_wins(strip: Axes, found: TauSensitivity) -> None:
 def _without_tau(axis: AxisComparison) -> Figure:
     """Draw the one log evidence that each order has under a stated prior."""
     values = _evidences(axis)
-    figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, 3.2)
     panel.axhline(0, color=GREY, linewidth=0.8)
     panel.plot(list(values), list(values.values()), "o", color=BLUE, markersize=6)
     panel.set_xticks(list(values))

@@ -16,7 +16,15 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import ResidualPoints
-from bayescal.report.figures.style import BLUE, GREY, MANY_POINTS, VERMILLION, WIDTH, settle
+from bayescal.report.figures.style import (
+    BLUE,
+    GREY,
+    MANY_POINTS,
+    VERMILLION,
+    WIDTH,
+    one_panel,
+    settle,
+)
 from bayescal.report.figures.subject import Subject
 
 # Lengths of arrows as fractions of the panel's width: of a long one (the 90 % quantile),
@@ -84,8 +92,7 @@ def draw(subject: Subject) -> Figure:
     pixels = np.column_stack([points.pixel(axis) for axis in "rc"])
     spans = image_spans(points, pixels)
     tall = float(np.clip(0.86 * WIDTH * spans[1] / spans[0], 2.2, 7.0)) + 0.9
-    figure = Figure(figsize=(WIDTH, tall), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, tall)
     out = np.zeros(len(pixels), dtype=bool)
     out[found.named] = True
     quiver = draw_arrows(panel, points, pixels, found.residuals, out, arrow_scale(found.lengths))

@@ -12,7 +12,7 @@ from bayescal.comparison.defence.stability import joint_probabilities
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
-from bayescal.report.figures.style import BLUE, VERMILLION
+from bayescal.report.figures.style import BLUE, VERMILLION, one_panel
 from bayescal.report.figures.subject import Subject
 
 SHADES = LinearSegmentedColormap.from_list("probability", ["#ffffff", BLUE])
@@ -26,8 +26,7 @@ def draw(subject: Subject) -> Figure:
     (first, second), table = _table(subject)
     rows, columns = table.shape
     width, height = max(3.6, CELL[0] * columns + 1.1), max(1.7, CELL[1] * rows + 1.1)
-    figure = Figure(figsize=(width, height), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(width, height)
     edges = [np.arange(size + 1) - 0.5 for size in (columns, rows)]
     panel.pcolormesh(*edges, table, cmap=SHADES, vmin=0, vmax=1, edgecolors=LINES, linewidth=0.5)
     for (i, j), chance in np.ndenumerate(table):

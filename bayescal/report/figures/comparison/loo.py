@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from bayescal.comparison.defence.results import Prediction
 from bayescal.errors import InputError
-from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH
+from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH, legend_of, one_panel
 from bayescal.report.figures.subject import Subject
 
 
@@ -14,8 +14,7 @@ def draw(subject: Subject) -> Figure:
     """Draw a row per order: difference of elpd with its paired standard error."""
     axis, found = subject.axis, _prediction(subject)
     groups = _by_group(found)
-    figure = Figure(figsize=(WIDTH, 1.3 + 0.3 * len(found)), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, 1.3 + 0.3 * len(found))
     panel.axvline(0, color=GREY, linewidth=0.8)
     rows = dict(zip(found, range(len(found)), strict=True))
     panel.errorbar(
@@ -49,7 +48,7 @@ def draw(subject: Subject) -> Figure:
     side.set_yticks(list(rows.values()), [_numbers(p) for p in found.values()])
     side.tick_params(length=0)
     side.spines["right"].set_visible(False)
-    figure.legend(loc="outside lower center", ncols=2)
+    legend_of(panel, "lower center", 2)
     return figure
 
 

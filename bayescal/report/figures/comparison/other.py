@@ -19,10 +19,9 @@ def draw(subject: Subject) -> Figure:
     """Draw a marker per point, and say in the title whether the residuals depend on it."""
     found = ResidualPoints.of(subject.axis, subject.result)
     name = other_name(subject.axis.data.regressor)
-    figure = draw_over(subject, found, _other(subject), name)
+    figure, panel = draw_over(subject, found, _other(subject), name)
     tested = other_coordinate(found.problem, _other(subject))
     if tested.p_value is not None:
-        (panel,) = figure.axes
         panel.set_title(f"F test of a dependence on {name}: {p_words(tested.p_value)}", loc="right")
     return figure
 

@@ -12,7 +12,7 @@ from bayescal.comparison.adequacy.problem import Problem
 from bayescal.errors import InputError
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import ResidualPoints
-from bayescal.report.figures.style import BLUE, GREY, PALE, WIDTH, settle
+from bayescal.report.figures.style import BLUE, GREY, PALE, WIDTH, legend_of, one_panel, settle
 from bayescal.report.figures.subject import Subject
 
 ENVELOPE = 0.95
@@ -25,8 +25,7 @@ def draw(subject: Subject) -> Figure:
     """Draw studentised residuals by rank, with the envelope of each rank."""
     found = ResidualPoints.of(subject.axis, subject.result)
     ranked, expected, z, lower, upper = _ranked(subject, found)
-    figure = Figure(figsize=(0.62 * WIDTH, 0.62 * WIDTH), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(0.62 * WIDTH, 0.62 * WIDTH)
     label = f"{100 * ENVELOPE:.0f} % envelope"
     panel.fill_between(expected, lower, upper, color=PALE, alpha=0.6, linewidth=0, label=label)
     panel.plot(expected, expected, color=GREY, linewidth=0.9, label="normal")
@@ -35,7 +34,7 @@ def draw(subject: Subject) -> Figure:
     panel.set_ylabel(f"studentised residual of {subject.axis.data.axis} [1]")
     panel.set_title(subject.title, loc="left")
     panel.margins(0.06)
-    figure.legend(loc="outside lower center", ncols=3)
+    legend_of(panel, "lower center", 3)
     settle(figure)
     place = {int(i): rank for rank, i in enumerate(found.problem.usable[ranked])}
     names = [found.names[i] for i in place]

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bayescal.arrays import Array
 from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import STANDS_OUT, ResidualPoints
-from bayescal.report.figures.style import BLUE, GREY, MANY_POINTS, PALE, VERMILLION, WIDTH, settle
+from bayescal.report.figures.style import (
+    BLUE,
+    GREY,
+    MANY_POINTS,
+    PALE,
+    VERMILLION,
+    WIDTH,
+    legend_of,
+    one_panel,
+    settle,
+)
 from bayescal.report.figures.subject import Subject
 from bayescal.rounding import significant
 
@@ -17,10 +28,10 @@ def draw(subject: Subject) -> Figure:
     """Draw a marker per point, with twice the noise level shaded."""
     data = subject.axis.data
     found = ResidualPoints.of(subject.axis, subject.result)
-    return draw_over(subject, found, data.x, data.regressor)
+    return draw_over(subject, found, data.x, data.regressor)[0]
 
 
-def draw_over(subject: Subject, found: ResidualPoints, x: Array, name: str) -> Figure:
+def draw_over(subject: Subject, found: ResidualPoints, x: Array, name: str) -> tuple[Figure, Axes]:
     """Draw residuals over some coordinate of the points.
 
     Parameters
@@ -31,8 +42,7 @@ def draw_over(subject: Subject, found: ResidualPoints, x: Array, name: str) -> F
         Of the coordinate.
     """
     data, e = subject.axis.data, found.residuals
-    figure = Figure(figsize=(WIDTH, 3.1), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, 3.1)
     lines = [0.0]
     if found.sigma is not None:
         bound = 2 * found.sigma
@@ -56,10 +66,10 @@ def draw_over(subject: Subject, found: ResidualPoints, x: Array, name: str) -> F
     panel.set_ylabel(f"residual of {data.axis} [{subject.unit}]")
     panel.set_title(subject.title, loc="left")
     panel.margins(x=0.03, y=0.12)
-    figure.legend(loc="outside lower center", ncols=3)
+    legend_of(panel, "lower center", 3)
     settle(figure)
     name_points(panel, x, e, found.named, lines=lines, names=found.names)
-    return figure
+    return figure, panel
 
 
 def alt_text(subject: Subject) -> str:

@@ -13,7 +13,7 @@ from scipy.stats import kstwo, rankdata
 
 from bayescal.arrays import Array
 from bayescal.report.figures.parameters import parameter_label
-from bayescal.report.figures.style import BLUE, GREY, PALE, VERMILLION, WIDTH
+from bayescal.report.figures.style import BLUE, GREY, PALE, VERMILLION, WIDTH, several_panels
 from bayescal.report.figures.subject import Subject
 
 SHOWN = 4  # chains whose draws are drawn: more hide one another
@@ -29,7 +29,7 @@ def draw(subject: Subject) -> Figure:
     """
     draws, names = subject.result.posterior.chain.draws, subject.result.posterior.names
     chains, length, size = draws.shape
-    figure = Figure(figsize=(WIDTH, 1.05 * size + 0.9), layout="constrained")
+    figure = several_panels(WIDTH, 1.05 * size + 0.9)
     panels = figure.subplots(size, 2, squeeze=False, width_ratios=[1.6, 1], sharex="col")
     bound = _bound(chains, length)
     shown = np.linspace(0, chains - 1, min(SHOWN, chains)).astype(int)

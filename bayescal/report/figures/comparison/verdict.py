@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 from bayescal.comparison.evidence import PLAUSIBLE
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
-from bayescal.report.figures.style import BLUE, PALE, SKY, WIDTH
+from bayescal.report.figures.style import BLUE, PALE, SKY, WIDTH, several_panels
 from bayescal.report.figures.subject import Subject
 
 RECOMMENDED = "recommended"
@@ -24,7 +24,7 @@ def draw(subject: Subject) -> Figure:
     axes = subject.axes
     beside = max(len(axis.orders) for axis in axes) <= BESIDE
     shape = (1, len(axes)) if beside else (len(axes), 1)
-    figure = Figure(figsize=(WIDTH, 2.7 * shape[0] + 0.2), layout="constrained")
+    figure = several_panels(WIDTH, 2.7 * shape[0] + 0.2)
     shown = set[str]()
     for panel, axis in zip(figure.subplots(*shape, squeeze=False).flat, axes, strict=True):
         if axis.verdict.order is None:

@@ -10,7 +10,7 @@ from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.errors import InputError
 from bayescal.report.figures.comparison.joint import LINES
 from bayescal.report.figures.parameters import parameter_symbol
-from bayescal.report.figures.style import BLUE, VERMILLION, WIDTH
+from bayescal.report.figures.style import BLUE, VERMILLION, WIDTH, one_panel
 from bayescal.report.numbers import correlations
 from bayescal.report.views.families.words import weak_words
 
@@ -28,10 +28,7 @@ def draw(found: FamilyComparison) -> Figure:
     matrix, names = correlations(model.posterior), model.posterior.names
     size = len(names) - 1
     cell = min(CELL, (WIDTH - 1.6) / size)
-    figure = Figure(
-        figsize=(max(3.2, cell * size + 1.6), max(2.2, cell * size + 1.3)), layout="constrained"
-    )
-    panel = figure.subplots()
+    figure, panel = one_panel(max(3.2, cell * size + 1.6), max(2.2, cell * size + 1.3))
     lower = np.where(np.tri(size, dtype=bool), matrix[1:, :-1], np.nan)
     edges = np.arange(size + 1) - 0.5
     mesh = panel.pcolor(

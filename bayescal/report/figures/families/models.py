@@ -12,7 +12,7 @@ from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.comparison.verdict import percent
 from bayescal.report.figures.comparison.joint import LINES, SHADES
-from bayescal.report.figures.style import VERMILLION, WIDTH
+from bayescal.report.figures.style import VERMILLION, WIDTH, several_panels
 
 RANGE = 20.0  # nat below the highest at which cells are white
 ROW, ROOM = 0.3, 0.62  # inches: of a row of cells, of what stands around a panel
@@ -28,7 +28,7 @@ def draw(found: FamilyComparison) -> Figure:
     grids = {f: _grid([m for m in found.models if m.key.family == f]) for f in families}
     heights = [ROW * len(rows) + ROOM for rows, _ in grids.values()]
     across = max(len(columns) for _, columns in grids.values())
-    figure = Figure(figsize=(WIDTH, sum(heights) + BAR), layout="constrained")
+    figure = several_panels(WIDTH, sum(heights) + BAR)
     panels = figure.subplots(len(families), len(positions), squeeze=False, height_ratios=heights)
     write = 0.84 * WIDTH / len(positions) / across > ROOMY
     mesh = None

@@ -12,7 +12,7 @@ from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.comparison.key import FREE
 from bayescal.errors import InputError
 from bayescal.prior.camera import PositionPrior, position_prior
-from bayescal.report.figures.style import BLACK, CYCLE, DASHES, GREY, WIDTH
+from bayescal.report.figures.style import BLACK, CYCLE, DASHES, GREY, WIDTH, several_panels
 from bayescal.rounding import rounded
 
 NAMES = ("position_x", "position_y", "position_z")
@@ -23,7 +23,7 @@ BINS = 50
 def draw(found: FamilyComparison) -> Figure:
     """Draw a panel per coordinate; of every family the best model that was sampled."""
     models, prior = _models(found), position_prior(found.points)
-    figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
+    figure = several_panels(WIDTH, 2.9)
     panels = figure.subplots(1, 3)
     for i, panel in enumerate(panels):
         _coordinate(panel, i, models, prior)

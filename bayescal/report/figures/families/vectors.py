@@ -16,7 +16,7 @@ from bayescal.report.figures.comparison.image import (
     key_length,
 )
 from bayescal.report.figures.labels import name_points, printable_names
-from bayescal.report.figures.style import GREY, WIDTH, settle
+from bayescal.report.figures.style import GREY, WIDTH, settle, several_panels
 
 NAMED = 5  # points named in each panel
 
@@ -48,7 +48,7 @@ def draw(found: FamilyComparison) -> Figure:
     spans = image_spans(points, pixels)
     wide = (WIDTH - 0.7) / len(panels)
     tall = float(np.clip(wide * spans[1] / spans[0], 1.6, 6.5)) + 1.1
-    figure = Figure(figsize=(WIDTH, tall), layout="constrained")
+    figure = several_panels(WIDTH, tall)
     axes = figure.subplots(1, len(panels), squeeze=False)[0]
     scale = arrow_scale(np.concatenate([p.lengths for p in panels]))
     quivers = []

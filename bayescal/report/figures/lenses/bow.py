@@ -10,7 +10,7 @@ from bayescal.calibration.stacking import bowl
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.errors import InputError
 from bayescal.report.figures.comparison.image import arrow_scale, key_length
-from bayescal.report.figures.style import BLUE, COLOURS, GREY, WIDTH, settle
+from bayescal.report.figures.style import BLUE, COLOURS, GREY, WIDTH, one_panel, settle
 
 GRID = 41
 
@@ -20,8 +20,7 @@ def draw(found: LensComparison) -> Figure:
     target, offsets = parts(found)
     across, tall = np.ptp(target[:, 0]), np.ptp(target[:, 1])
     height = float(np.clip(0.85 * WIDTH * tall / max(across, 1e-300), 2.2, 7.0)) + 0.8
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, height)
     if found.setting.bow:
         shown = panel.pcolormesh(*surface(found), cmap=COLOURS, rasterized=True, alpha=0.55)
         figure.colorbar(shown, ax=panel, label="height of the bow [target's unit]", shrink=0.85)

@@ -11,7 +11,7 @@ from bayescal.arrays import Array
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.errors import InputError
 from bayescal.report.figures.comparison.corner import LEAST, LEVELS, PANEL, QUANTILES, SHARE
-from bayescal.report.figures.style import BLUE
+from bayescal.report.figures.style import BLUE, several_panels
 from bayescal.rounding import rounded
 
 PIXELS = ("f", "fx", "fy", "cx", "cy")  # parameters in px
@@ -22,7 +22,7 @@ def draw(found: LensComparison) -> Figure:
     names, draws = lens_draws(found)
     size = len(names)
     side = max(LEAST, PANEL * size + 1.0)
-    figure = Figure(figsize=(side, side), layout=None)
+    figure = several_panels(side, side, layout=None)
     corner.corner(
         draws,
         labels=[f"{name} [px]" if name in PIXELS else name for name in names],

@@ -9,13 +9,12 @@ from matplotlib.ticker import MaxNLocator
 
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.report.figures.lenses.models import below
-from bayescal.report.figures.style import CYCLE, GREY, VERMILLION, WIDTH, settle
+from bayescal.report.figures.style import CYCLE, GREY, VERMILLION, WIDTH, one_panel, settle
 
 
 def draw(found: LensComparison) -> Figure:
     """Draw each family's evidence over the number of radial coefficients; the others beside."""
-    figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, 3.6)
     ordered, others = families(found)
     highest = max([j.candidate.order or 0 for line in ordered.values() for j in line], default=0)
     for colour, (name, line) in zip(CYCLE, ordered.items(), strict=False):

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from bayescal.arrays import Array
 from bayescal.comparison.lenses.results import LensComparison
-from bayescal.report.figures.style import COLOURS, PALE, WIDTH
+from bayescal.report.figures.style import COLOURS, PALE, WIDTH, one_panel
 
 COLUMNS, ROWS = 65, 49  # of a grid over the image
 LEVELS = tuple(m * 10.0**e for e in range(-4, 4) for m in (1, 2, 5))  # px, of contours
@@ -19,8 +19,7 @@ MOST_LEVELS = 8  # from the largest downwards: rings about a zero say little
 def image_panel(found: LensComparison) -> tuple[Figure, Axes]:
     """Lay out a figure that is the image."""
     width, height = found.setting.data.size
-    figure = Figure(figsize=(WIDTH, WIDTH * height / width * 0.95 + 0.4), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, WIDTH * height / width * 0.95 + 0.4)
     frame(panel, found)
     panel.set_xlabel("r [px]")
     panel.set_ylabel("c [px]")

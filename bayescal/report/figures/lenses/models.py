@@ -7,7 +7,7 @@ import math
 from matplotlib.figure import Figure
 
 from bayescal.comparison.lenses.results import LensComparison
-from bayescal.report.figures.style import BLUE, PALE, VERMILLION, WIDTH, settle
+from bayescal.report.figures.style import BLUE, PALE, VERMILLION, WIDTH, one_panel, settle
 
 FAR = 300.0  # nat: lenses further below the best are not drawn
 
@@ -16,8 +16,7 @@ def draw(found: LensComparison) -> Figure:
     """Draw a bar for every lens within reach, below the best one."""
     lenses = [j for j in found.lenses if below(found, j.log_evidence) < FAR]
     gaps = [below(found, j.log_evidence) for j in lenses]
-    figure = Figure(figsize=(WIDTH, 0.9 + 0.27 * len(lenses)), layout="constrained")
-    panel = figure.subplots()
+    figure, panel = one_panel(WIDTH, 0.9 + 0.27 * len(lenses))
     colours = [BLUE if j.name in found.verdict.plausible else PALE for j in lenses]
     panel.barh(range(len(lenses)), [gap + 0.02 for gap in gaps], color=colours, height=0.7)
     panel.set_yticks(range(len(lenses)), [j.name for j in lenses])

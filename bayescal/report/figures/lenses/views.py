@@ -14,7 +14,7 @@ from bayescal.report.figures.comparison.image import arrow_scale, key_length
 from bayescal.report.figures.labels import printable_names
 from bayescal.report.figures.lenses.image import frame
 from bayescal.report.figures.lenses.vectors import draw_vectors, leftovers
-from bayescal.report.figures.style import GREY, WIDTH, settle
+from bayescal.report.figures.style import GREY, WIDTH, settle, several_panels
 
 KEY = 0.25  # inches above the panels for the arrow that explains the others
 ACROSS, MOST = 4, 20  # panels in a row; in all: of more views the loudest are shown
@@ -28,7 +28,7 @@ def draw(found: LensComparison) -> Figure:
     width, height = found.setting.data.size
     tall = down * (WIDTH / across * height / width + 0.25) + KEY
     layout = ConstrainedLayoutEngine(rect=(0, 0, 1, 1 - KEY / tall))
-    figure = Figure(figsize=(WIDTH, tall), layout=layout)
+    figure = several_panels(WIDTH, tall, layout=layout)
     panels = figure.subplots(down, across, squeeze=False).ravel()
     lengths = np.hypot(*leftovers(found)[1].T)
     scale = arrow_scale(lengths) / width

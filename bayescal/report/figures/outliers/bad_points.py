@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from bayescal.comparison.outliers.records import BAD
 from bayescal.comparison.outliers.results import AxisOutliers
 from bayescal.comparison.verdict import percent
-from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH
+from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH, several_panels
 
 NAMED = 12  # bad points with their labels; more would hide each other
 
@@ -16,7 +16,7 @@ NAMED = 12  # bad points with their labels; more would hide each other
 def draw(axis: AxisOutliers) -> Figure:
     """Draw the axis's points: above the residuals of least squares, below P(bad)."""
     unit = "units of y" if axis.data.axis == "y" else "px"
-    figure = Figure(figsize=(WIDTH, 3.9), layout="constrained")
+    figure = several_panels(WIDTH, 3.9)
     residuals, chances = figure.subplots(2, sharex=True)
     for points, colour, marker, words in (
         ([p for p in axis.points if not p.bad], BLUE, "o", "more probably good"),
