@@ -43,6 +43,8 @@ _EXPORTS = {
     "locate_target": "bayescal.api.camera",
     "image_maps": "bayescal.api.camera",
     "changed": "bayescal.api.camera",
+    "undistort": "bayescal.api.camera",
+    "undistortion": "bayescal.api.camera",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
     "compare_polynomials": "bayescal.api.polynomials",
@@ -111,6 +113,8 @@ __all__ = [
     "save_views",
     "simulate",
     "thesis",
+    "undistort",
+    "undistortion",
 ]
 
 if TYPE_CHECKING:
@@ -124,6 +128,8 @@ if TYPE_CHECKING:
         locate,
         locate_target,
         predict,
+        undistort,
+        undistortion,
     )
     from bayescal.api.families import compare_families, fit_family
     from bayescal.api.fleet import fleet

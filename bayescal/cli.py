@@ -32,7 +32,7 @@ COMMANDS = {
     "report": "one page to attach to a calibration (HTML, PDF)",
     "reproduce": "the thesis's own procedure, as written and as coded",
     "simulate": "make points from a known truth",
-    "undistort": "take the distortion out of photographs (needs OpenCV)",
+    "undistort": "take the distortion out of photographs, or of pixels",
 }
 
 

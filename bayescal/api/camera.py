@@ -8,11 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from bayescal.cameras.undistortion import Field
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.changed import Change
 from bayescal.prediction.changed import changed as change_of
-from bayescal.prediction.columns import location_columns, pair_columns, prediction_columns
+from bayescal.prediction.columns import (
+    location_columns,
+    pair_columns,
+    prediction_columns,
+    undistorted_columns,
+)
 from bayescal.prediction.locate import locate as locate_pixels
 from bayescal.prediction.locate import surface_of
 from bayescal.prediction.maps import ImageMaps
@@ -22,6 +28,8 @@ from bayescal.prediction.predict import checked
 from bayescal.prediction.predict import predict as predict_pixels
 from bayescal.prediction.target import TargetPose
 from bayescal.prediction.target import locate_target as pose_of
+from bayescal.prediction.undistorting import Undistortion
+from bayescal.prediction.undistorting import undistortion as undistortion_of
 
 
 def camera(
@@ -263,6 +271,57 @@ def changed(first: Any, second: Any, *, average: bool | None = None, seed: int =
         Where they are of different cameras, or nothing was calibrated by both.
     """
     return change_of(camera(first), camera(second), average=average, seed=seed)
+
+
+def undistortion(source: Any, *, field: Field = "same") -> Undistortion:
+    """Choose a camera without distortion that sees what a calibrated one sees.
+
+    Parameters
+    ----------
+    source : CalibratedCamera, or anything `camera` takes
+        A lens, or polynomials: these give each pixel a direction x/z, y/z.
+    field : {"same", "inside", "full"} or float
+        The same focal length and principal point (of polynomials those straight ahead); as much
+        as leaves no pixel black; as much as loses no pixel; or so many degrees from left to right.
+
+    Returns
+    -------
+    Undistortion
+        Its ``pixels``, ``distorted`` and ``image`` apply it; the table of ``cv2.remap`` is made
+        once, with the first image.
+
+    Raises
+    ------
+    InputError
+        Where there is no such camera, or the image's size is unknown.
+    """
+    return undistortion_of(camera(source), field)
+
+
+def undistort(source: Any, pixels: Any, *, field: Field = "same") -> Any:
+    """Take the distortion out of pixels.
+
+    Parameters
+    ----------
+    source, field
+        As in `undistortion`.
+    pixels : array_like or DataFrame
+        r, c as recorded, ``(n, 2)``, px; a data frame has columns r, c.
+
+    Returns
+    -------
+    Array or DataFrame
+        Pixels of the ideal camera, ``(n, 2)``, px; nan where it sees no such direction. For a
+        data frame its rows with the columns that ``bayescal undistort --pixels`` writes.
+
+    Raises
+    ------
+    InputError
+        Where there is no such camera, or the pixels have another shape.
+    """
+    own = checked(_numbers(pixels, ("r", "c"), "pixels"), 2, "pixels")
+    found = undistortion(source, field=field).pixels(own)
+    return _like(pixels, found, undistorted_columns)
 
 
 def _numbers(given: Any, names: tuple[str, ...], what: str) -> Any:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,26 @@ from bayescal.errors import InputError
 Field: TypeAlias = Literal["same", "inside", "full"] | float
 ROWS = 64  # of a table made at once: some 10 MB of what is needed in between
 WIDEST = 175.0  # degrees
+
+
+class Seeing(Protocol):
+    """What takes photographs: directions in a frame x right, y down, z forward, and their pixels.
+
+    `intrinsics` are those of the pinhole that it is without distortion.
+    """
+
+    @property
+    def intrinsics(self) -> Array: ...  # noqa: D102
+    @property
+    def width(self) -> int: ...  # noqa: D102
+    @property
+    def height(self) -> int: ...  # noqa: D102
+
+    def rays(self, pixels: Array) -> Array:
+        """Rays of pixels ``(n, 2)``, ``(n, 3)``; nan where there is none."""
+
+    def pixels(self, rays: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Pixels of rays, ``(n, 2)``, and whether they are seen, ``(n,)``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +64,15 @@ class RealCamera:
     k: Array
     width: int
     height: int
+
+    def rays(self, pixels: Array) -> Array:
+        """Rays of pixels, ``(n, 3)``; nan where there is none."""
+        return self.camera.rays(self.intrinsics, self.k, pixels).rays
+
+    def pixels(self, rays: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Pixels of rays, ``(n, 2)``, and whether they are seen, ``(n,)``."""
+        seen = self.camera.lens.seen(rays, self.k)
+        return self.camera.pixels(self.intrinsics, self.k, rays), seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +120,12 @@ class Table:
     seen: NDArray[np.bool_]
 
 
-def ideal_camera(real: RealCamera, field: Field = "same") -> IdealCamera:
+def ideal_camera(real: Seeing, field: Field = "same") -> IdealCamera:
     """Choose what the ideal camera sees.
 
     Parameters
     ----------
-    real : RealCamera
+    real : Seeing
     field : {"same", "inside", "full"} or float
         The same intrinsics; as much as leaves no pixel without an image; as much as loses no pixel
         of the photograph; or so many degrees from left to right, about the photograph's axis.
@@ -142,13 +171,13 @@ def ideal_camera(real: RealCamera, field: Field = "same") -> IdealCamera:
 
 
 def undistort_pixels(
-    real: RealCamera, ideal: IdealCamera, pixels: Array
+    real: Seeing, ideal: IdealCamera, pixels: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Pixels of a photograph as the ideal camera has them, and whether they exist.
 
     Parameters
     ----------
-    real, ideal : RealCamera, IdealCamera
+    real, ideal : Seeing, IdealCamera
     pixels : Array
         ``(n, 2)``, px.
 
@@ -159,22 +188,19 @@ def undistort_pixels(
     found : ndarray of bool
         ``(n,)``.
     """
-    rays = real.camera.rays(real.intrinsics, real.k, pixels)
-    out = ideal.pixels(rays.rays)
+    out = ideal.pixels(real.rays(pixels))
     return out, np.isfinite(out).all(axis=-1)
 
 
 def distort_pixels(
-    real: RealCamera, ideal: IdealCamera, pixels: Array
+    real: Seeing, ideal: IdealCamera, pixels: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Pixels of the ideal camera as they are in the photograph; the inverse of the above."""
-    rays = ideal.rays(pixels)
-    seen = real.camera.lens.seen(rays, real.k)
-    out = real.camera.pixels(real.intrinsics, real.k, rays)
+    out, seen = real.pixels(ideal.rays(pixels))
     return np.where(seen[..., None], out, np.nan), seen
 
 
-def table(real: RealCamera, ideal: IdealCamera) -> Table:
+def table(real: Seeing, ideal: IdealCamera) -> Table:
     """Make the table that undistorts images of a camera, some rows at a time."""
     shape = (ideal.height, ideal.width)
     r, c = np.empty(shape, dtype=np.float32), np.empty(shape, dtype=np.float32)
@@ -188,7 +214,7 @@ def table(real: RealCamera, ideal: IdealCamera) -> Table:
     return Table(r, c, seen)
 
 
-def _plane(real: RealCamera, pixels: Array) -> Array:
+def _plane(real: Seeing, pixels: Array) -> Array:
     """Plane coordinates x/z, y/z of pixels, ``(n, 2)``; nan where there are none."""
     unit = IdealCamera(np.array([1.0, 1.0, 0.0, 0.0]), 1, 1)
     return undistort_pixels(real, unit, pixels)[0]

@@ -13,13 +13,14 @@ from bayescal.commands.output import DONE, add_progress
 from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
-    from bayescal.cameras.undistortion import Field, IdealCamera, RealCamera, Table
+    from bayescal.cameras.undistortion import Field, IdealCamera, Seeing, Table
 
 DESCRIPTION = (
-    "Make photographs as a camera without distortion would have taken them, from the camera that "
-    "bayescal calibrate --camera opencv FILE.yml, OpenCV or ROS wrote. The folder gets the "
-    "photographs under their own names and camera.yml, the camera that they now come from. "
-    "Needs OpenCV: pip install 'bayescal[images]'."
+    "Make photographs as a camera without distortion would have taken them, from a run, a camera "
+    "file, or what bayescal calibrate --camera opencv FILE.yml, OpenCV or ROS wrote. The folder "
+    "gets the photographs under their own names and camera.yml, the camera that they now come "
+    "from; this needs OpenCV: pip install 'bayescal[images]'. --pixels takes measured pixels "
+    "instead."
 )
 FIELDS = ("same", "inside", "full")
 CAMERA = "camera.yml"
@@ -27,10 +28,14 @@ CAMERA = "camera.yml"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument("camera", metavar="CAMERA", help="YAML of OpenCV or ROS's camera_info")
+    parser.add_argument(
+        "camera",
+        metavar="CAMERA",
+        help="a run, a camera file (camera.npz), or YAML of OpenCV or ROS's camera_info",
+    )
     parser.add_argument(
         "images",
-        nargs="+",
+        nargs="*",
         metavar="IMAGES",
         help="photographs by that camera, or a pattern of their names such as 'images/*.jpg'",
     )
@@ -42,8 +47,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "leaves no black pixel (inside); as much as loses no pixel (full); or so many degrees "
         "from left to right, such as 90",
     )
+    rows = parser.add_argument_group("pixels")
+    rows.add_argument("--pixels", metavar="TABLE", help="a table with columns r,c; - reads it")
+    rows.add_argument(
+        "--columns", metavar="r=u,c=v", help="names or numbers of the table's columns"
+    )
+    rows.add_argument("--strict", action="store_true", help="refuse a table with a bad row")
     output = parser.add_argument_group("output")
-    output.add_argument("--out", required=True, metavar="DIR", help="folder to write to")
+    output.add_argument(
+        "--out", required=True, metavar="PLACE", help="folder; of pixels a CSV file, - prints it"
+    )
     output.add_argument("--force", action="store_true", help="replace existing output")
     output.add_argument("--quiet", action="store_true", help="say nothing of what was done")
     add_progress(output)
@@ -51,16 +64,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Undistort all photographs, say so, and name those that are none; return the exit code."""
-    from bayescal.cameras.camera import Camera
-    from bayescal.cameras.undistortion import RealCamera, ideal_camera, table
-    from bayescal.detection.detect import image_paths
-    from bayescal.report.cameras.read import load_camera
+    from bayescal.cameras.undistortion import ideal_camera, table
 
     field, folder = _field(options.field), Path(options.out)
-    fitted = load_camera(options.camera)
+    if (options.pixels is None) == (not options.images):
+        raise InputError("name photographs, or --pixels TABLE: one of the two")
+    real = _camera(options.camera)
+    if options.pixels is not None:
+        return _pixels(options, real, field)
+    from bayescal.detection.detect import image_paths
+
     places = _places(image_paths(options.images), folder, force=options.force)
-    camera = Camera(fitted.lens)
-    real = RealCamera(camera, fitted.intrinsics, fitted.coefficients, *fitted.size)
     ideal = ideal_camera(real, field)
     where, failed = table(real, ideal), []
     with shared.Progress(options, len(places), "undistorting") as progress:
@@ -74,6 +88,45 @@ def run(options: argparse.Namespace) -> int:
     _write_camera(ideal, folder, force=options.force)
     if not options.quiet:
         print("\n".join(_told(ideal, where, places, failed, folder)))
+    return DONE
+
+
+def _camera(given: str) -> Seeing:
+    """Take the camera of a run, of a camera file, or of another tool's file."""
+    path = Path(given)
+    if path.is_dir() or path.suffix == ".npz":
+        from bayescal.prediction.undistorting import ChosenCamera
+        from bayescal.report.camera import camera_at
+
+        return ChosenCamera(camera_at(path))
+    from bayescal.cameras.camera import Camera
+    from bayescal.cameras.undistortion import RealCamera
+    from bayescal.report.cameras.read import load_camera
+
+    fitted = load_camera(given)
+    return RealCamera(Camera(fitted.lens), fitted.intrinsics, fitted.coefficients, *fitted.size)
+
+
+def _pixels(options: argparse.Namespace, real: Seeing, field: Field) -> int:
+    """Undistort the pixels of a table."""
+    import sys
+
+    from bayescal.cameras.undistortion import ideal_camera
+    from bayescal.commands.camera import read_rows
+    from bayescal.files import check_free, write_whole
+    from bayescal.prediction.columns import undistorted_columns
+    from bayescal.prediction.undistorting import Undistortion
+    from bayescal.report.document.using import asked_and_found, rows_text
+
+    if options.out != "-":
+        check_free(Path(options.out), force=options.force)
+    table = read_rows(options, options.pixels, ("r", "c"))
+    found = Undistortion(real, ideal_camera(real, field)).pixels(table.columns("r", "c"))
+    text = rows_text(asked_and_found(table, ("r", "c"), undistorted_columns(found)))
+    if options.out == "-":
+        sys.stdout.write(text)
+    else:
+        write_whole(Path(options.out), text.encode(), force=options.force)
     return DONE
 
 
@@ -104,7 +157,7 @@ def _places(paths: list[Path], folder: Path, *, force: bool) -> dict[Path, Path]
     return places
 
 
-def _undistort(path: Path, place: Path, where: Table, real: RealCamera, *, force: bool) -> str:
+def _undistort(path: Path, place: Path, where: Table, real: Seeing, *, force: bool) -> str:
     """Undistort one photograph; say why where it can't be."""
     from bayescal.detection.images import encoded, read_image, remapped
     from bayescal.files import write_whole

@@ -16,6 +16,7 @@ from bayescal.prediction.target import QUANTITIES, TargetPose
 from bayescal.prediction.target import SOURCES as TARGET_SOURCES
 
 NO_SOLUTION = "nothing in the calibrated domain appears there"
+NO_DIRECTION = "no direction of the ideal camera appears there"
 NO_DISTANCE = "an end has no solution, or several"
 
 
@@ -133,6 +134,13 @@ def change_columns(found: Change) -> dict[str, Any]:
             for inside, seen in zip(at.inside, np.isfinite(found.sd), strict=True)
         ],
     }
+
+
+def undistorted_columns(found: Array) -> dict[str, Any]:
+    """Name the columns of undistorted pixels ``(n, 2)``."""
+    seen = np.isfinite(found).all(axis=1)
+    columns: dict[str, Any] = {f"undistorted_{a}": found[:, i] for i, a in enumerate("rc")}
+    return columns | {"note": ["" if ok else NO_DIRECTION for ok in seen]}
 
 
 def _spread(forms: tuple[tuple[str, Array], ...], names: tuple[str, ...]) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from bayescal.prediction.slopes import with_slopes
 RESIDUAL = 1e-9  # px
 NEWTON, HALVINGS = 40, 80
 STARTS = 9  # along each ratio, of polynomials of both
+NEAREST = 4000  # pixels compared with the places of the domain at once
 FINE, PATH = 21, 9  # places of the domain along each ratio, and on the way from there beyond it
 MARGIN = 0.05  # of the domain, beyond its ends
 SAME = 1e-6  # of the domain: solutions closer than this are one
@@ -124,9 +125,8 @@ def _line_solutions(member: PolynomialMember, pixels: Array) -> Solutions:
 
 def _on_pieces(b: Array, low: float, high: float, t: Array) -> tuple[Array, IntArray]:
     """Solve a Legendre series for values ``(n,)``: one solution of each, and how many there are."""
-    turns = legendre.legroots(legendre.legder(b)) if len(b) > 2 else np.empty(0)
-    real = turns.real[np.abs(turns.imag) < 1e-9 * (1 + np.abs(turns.real))]
-    ends = np.array([low, *np.sort(real[(real > low) & (real < high)]), high])
+    turns = _turns(b)
+    ends = np.array([low, *np.sort(turns[(turns > low) & (turns < high)]), high])
     found, count = np.zeros(len(t)), np.zeros(len(t), dtype=np.intp)
     for a, z in pairwise(ends):
         at_a, at_z = legendre.legval(a, b), legendre.legval(z, b)
@@ -140,6 +140,12 @@ def _on_pieces(b: Array, low: float, high: float, t: Array) -> tuple[Array, IntA
         found[inside] = (left + right) / 2
         count += inside
     return found, count
+
+
+def _turns(b: Array) -> Array:
+    """Where a Legendre series turns."""
+    turns = legendre.legroots(legendre.legder(b)) if len(b) > 2 else np.empty(0)
+    return np.asarray(turns.real[np.abs(turns.imag) < 1e-9 * (1 + np.abs(turns.real))])
 
 
 def _plane_solutions(member: PolynomialMember, pixels: Array) -> Solutions:
@@ -213,12 +219,40 @@ def continued(member: PolynomialMember, pixels: Array) -> tuple[Array, BoolArray
     sides = (np.linspace(a, z, FINE) for a, z in zip(low, high, strict=True))
     grid = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
     mean = member.parameters.mean[None]
-    value, slope = with_slopes(member, mean, grid[None])
-    sign = np.sign(np.median(_det(slope)))
-    nearest = ((pixels[:, None] - value[0]) ** 2).sum(axis=2).argmin(axis=1)
-    start = grid[nearest]
+    value = member.at_scaled(mean, grid[None])[0]
+    blocks = range(0, max(len(pixels), 1), NEAREST)
+    start = np.concatenate(
+        [
+            grid[((pixels[i : i + NEAREST, None] - value) ** 2).sum(axis=2).argmin(axis=1)]
+            for i in blocks
+        ]
+    )
     at, found = _newton(member, mean, pixels[None], start[None])
+    return at[0], found[0] & monotone(member, at[0])
+
+
+def monotone(member: PolynomialMember, scaled: Array) -> BoolArray:
+    """Whether the mean's mapping turns nowhere from the calibrated domain to places, ``(n,)``."""
+    low, high = member.box
+    mean = member.parameters.mean[None]
+    if not member.bivariate:
+        ends = [_branch(b[0], *pair) for b, pair in zip(
+            member.amplitudes(mean), zip(low, high, strict=True), strict=True
+        )]  # fmt: skip
+        within_both = [(s > a) & (s < z) for s, (a, z) in zip(scaled.T, ends, strict=True)]
+        return np.asarray(np.all(within_both, axis=0))
+    middle = (low + high) / 2
+    _, slope = with_slopes(member, mean, middle[None, None])
+    sign, start = np.sign(_det(slope)[0, 0]), np.clip(scaled, low, high)
+    ok = np.ones(len(scaled), dtype=bool)
     for share in np.linspace(0, 1, PATH):
-        _, slope = with_slopes(member, mean, (1 - share) * start[None] + share * at)
-        found = found & (np.sign(_det(slope)) == sign)
-    return at[0], found[0]
+        _, slope = with_slopes(member, mean, ((1 - share) * start + share * scaled)[None])
+        ok &= np.sign(_det(slope)[0]) == sign
+    return ok
+
+
+def _branch(b: Array, low: float, high: float) -> tuple[float, float]:
+    """Find the ends of the monotone piece of a Legendre series around the domain's middle."""
+    turns, middle = _turns(b), (low + high) / 2
+    below, above = turns[turns < middle], turns[turns > middle]
+    return float(below.max(initial=-np.inf)), float(above.min(initial=np.inf))

@@ -180,3 +180,36 @@ def test_files_that_are_no_camera_are_refused(tmp_path, change, words):
     place.write_text(place.read_text().replace(*change))
     with pytest.raises(InputError, match=words):
         load_camera(place)
+
+
+def test_pixels_by_a_calibrated_camera(lens_comparison, tmp_path, capsys):
+    """The rows of a table by a camera file are what Python gives; bad rows are named."""
+    import bayescal as bc
+
+    bc.keep_camera(bc.camera(lens_comparison), tmp_path / "camera.npz")
+    (tmp_path / "pixels.csv").write_text("r,c\n100,200\nx,3\n500,400\n")
+    place, table = str(tmp_path / "camera.npz"), str(tmp_path / "pixels.csv")
+    assert main(["undistort", place, "--pixels", table, "--out", "-"]) == 0
+    printed = capsys.readouterr()
+    rows = [line.split(",") for line in printed.out.splitlines()]
+    assert rows[0] == ["label", "r", "c", "undistorted_r", "undistorted_c", "note"]
+    expected = bc.undistort(place, [[100, 200], [500, 400]])
+    np.testing.assert_allclose(np.array([r[3:5] for r in rows[1:]], dtype=float), expected)
+    assert "pixels.csv:3: r: 'x'" in printed.err
+    assert main(["undistort", place, "--pixels", table, "--out", "-", "--strict"]) == 2
+    assert main(["undistort", place, "--out", "-"]) == 2
+    assert "one of the two" in capsys.readouterr().err
+
+
+def test_photographs_by_a_calibrated_camera(lens_comparison, tmp_path, capsys):
+    import bayescal as bc
+
+    bc.keep_camera(bc.camera(lens_comparison), tmp_path / "camera.npz")
+    grey = np.tile(np.arange(640) // 3, (480, 1)).astype(np.uint8)
+    cv2.imwrite(str(tmp_path / "ramp.png"), grey)
+    out = tmp_path / "out"
+    words = ["undistort", str(tmp_path / "camera.npz"), str(tmp_path / "ramp.png")]
+    assert main([*words, "--out", str(out), "--field", "inside"]) == 0
+    assert "1 of 1 photograph undistorted" in capsys.readouterr().out
+    found = bc.undistortion(tmp_path / "camera.npz", field="inside").image(grey)
+    np.testing.assert_array_equal(cv2.imread(str(out / "ramp.png"), 0), found)
