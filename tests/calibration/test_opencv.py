@@ -12,7 +12,7 @@ from bayescal.calibration.laplace import INFERRED
 from bayescal.calibration.least_squares import rms
 from bayescal.cameras.lenses.fisheye import Fisheye
 from bayescal.comparison.lenses.fitted import FittedLens
-from bayescal.comparison.lenses.results import LensRequest
+from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.sweep import Sweep
 
 NAMES = (
