@@ -46,6 +46,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output.add_argument("--force", action="store_true", help="replace existing files")
     output.add_argument("--quiet", action="store_true", help="don't say the verdict")
     add_progress(output)
+    heading = parser.add_argument_group("title block")
+    heading.add_argument("--title", default="", metavar="TEXT", help="heads the page")
+    for name, what in (
+        ("camera", "which camera was calibrated"),
+        ("serial", "its serial number"),
+        ("operator", "who calibrated it"),
+    ):
+        heading.add_argument(f"--{name}", default="", metavar="TEXT", help=what)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -80,9 +88,9 @@ def run(options: argparse.Namespace) -> int:
     else:
         write_whole(out, made.encode(), force=options.force)
     if browser is not None:
-        created = page.made_by.rpartition(" ")[2]
         try:
-            write_whole(Path(options.pdf), print_pdf(made, browser, created), force=options.force)
+            pdf = print_pdf(made, browser, page.created)
+            write_whole(Path(options.pdf), pdf, force=options.force)
         except OutputError as error:
             done = "the page is printed" if printed else f"{out} is written"
             raise OutputError(f"{error}; {done}") from None
@@ -97,7 +105,7 @@ def _page(
     options: argparse.Namespace, asked: dict[str, Any] | None
 ) -> tuple[Page, list[str], bool]:
     """Make the page, what to say of it in a few lines, and whether it is sound."""
-    from bayescal.report.page.page import chapters, page_of
+    from bayescal.report.page.page import Heading, chapters, page_of
     from bayescal.report.runs import kind_of
 
     result = _reopened(options, asked) if shared.is_run(options, SETTLED) else None
@@ -112,7 +120,8 @@ def _page(
         beside.append(_bad_points(options, result))
     count = len(chapters(result, *beside))
     with shared.Progress(options, count, "drawing") as progress:
-        page = page_of(result, options.command_line, *beside, progress=progress.named)
+        said = Heading(options.title, options.camera, options.serial, options.operator)
+        page = page_of(result, options.command_line, *beside, heading=said, progress=progress.named)
     shown = [result, *beside]
     lines = [line for found in shown for line in kind_of(found).views.headlines(found)]
     return page, lines, all(found.sound for found in shown)

@@ -74,6 +74,14 @@ class Tabled:
         The same, of what a page says of the columns.
     flagged : frozenset of int
         Rows that the reader should worry about.
+    folded : str
+        What a page shows in its place until asked for it; empty: the table itself.
+    label : str
+        To cite it by, such as ``"Table 3"``; a page gives it.
+    columns : tuple of tuple of str or None
+        Those of `explained` that no earlier table of the page explains; None: all.
+    elsewhere : tuple of tuple of str
+        Ids and labels of tables that explain the others, and whose notes hold here.
     """
 
     kind: ClassVar[str] = "table"
@@ -83,6 +91,10 @@ class Tabled:
     notes: tuple[str, ...] = ()
     legend: tuple[str, ...] = ()
     flagged: frozenset[int] = frozenset()
+    folded: str = ""
+    label: str = ""
+    columns: tuple[tuple[str, str], ...] | None = None
+    elsewhere: tuple[tuple[str, str], ...] = ()
 
     @property
     def explained(self) -> tuple[tuple[str, str], ...]:
@@ -129,6 +141,8 @@ class Picture:
         What is to be seen, for those who can't.
     width, height : int
         CSS px.
+    label : str
+        To cite it by, such as ``"Figure 2"``; a page gives it.
     """
 
     kind: ClassVar[str] = "picture"
@@ -138,6 +152,7 @@ class Picture:
     caption: str
     width: int
     height: int
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -160,11 +175,24 @@ class Part:
 
 @dataclass(frozen=True)
 class Answer:
-    """What was found, in large type: of what, such as ``"r, in x/z"``, what, and how sure."""
+    """What was found, in large type.
+
+    Attributes
+    ----------
+    of : str
+        Of what, such as ``"r, in x/z"``.
+    found : str
+        What, in a word or two.
+    standing : str
+        How sure.
+    doubts : tuple of str
+        What could be wrong, in a few words each.
+    """
 
     of: str
     found: str
     standing: str
+    doubts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+import numpy as np
+from scipy.linalg import block_diag
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
@@ -57,6 +59,12 @@ def correlations(posterior: SampledPosterior) -> Array:
         return correlation(posterior.chain.draws.reshape(-1, len(posterior.names)))
 
 
+def covariance(draws: Array) -> Array:
+    """Covariance matrix of draws ``(n_chains, n_draws, n_parameters)``, as `correlations`."""
+    with threadpool_limits(1):
+        return np.atleast_2d(np.cov(draws.reshape(-1, draws.shape[2]), rowvar=False))
+
+
 @dataclass(frozen=True)
 class ExactParameter:
     """A parameter of which the closed form knows all.
@@ -80,6 +88,15 @@ def exact_parameters(model: JointModel) -> list[ExactParameter]:
     """Coefficients and noise of both axes; nothing where there is no closed form."""
     pairs = zip(AXES, model.exact, strict=False)
     return [p for axis, posterior in pairs for p in _of_axis(axis, posterior)]
+
+
+def joint_covariance(model: JointModel) -> tuple[tuple[str, ...], Array]:
+    """Names and covariance of a model's parameters; of its coefficients in closed form."""
+    if model.posterior is not None:
+        return model.posterior.names, covariance(model.posterior.chain.draws)
+    roots = [found.model.factors.monomials.apply(found.root) for found in model.exact]
+    names = [n for found in model.exact for n in found.model.names[: found.model.size]]
+    return tuple(names), block_diag(*(root @ root.T for root in roots))
 
 
 @lru_cache(maxsize=64)  # pairs of orders share their axes, and intervals take a while

@@ -16,7 +16,6 @@ from bayescal.comparison.lenses.view_caveats import (
     loud_views,
     parallel,
     sigma_unusual,
-    undetermined,
     wider,
 )
 from bayescal.rounding import counted
@@ -121,7 +120,6 @@ CAVEATS: tuple[Callable[[Evidenced], str | None], ...] = (
     failed,
     few_views,
     parallel,
-    undetermined,
     folds,
     edge,
     sigma_unusual,

@@ -13,8 +13,9 @@ import numpy as np
 from matplotlib import colormaps, rc_context
 from matplotlib import style as looks
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
+from matplotlib.typing import ColorType
 
 from bayescal.errors import InputError
 
@@ -58,6 +59,15 @@ PAGE_STYLE: Any = {
     "legend.fontsize": 8.5,
     "legend.frameon": False,
 }
+
+
+def ink_on(colour: ColorType) -> str:
+    """Choose black or white for letters on a colour, whichever has more contrast (WCAG 2.2)."""
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(colour)]
+    luminance = float(np.dot([0.2126, 0.7152, 0.0722], linear))
+    return "black" if (luminance + 0.05) ** 2 > 1.05 * 0.05 else "white"
+
+
 FORMATS = ("png", "svg", "pdf")
 # No dates and no versions: the same figure gives the same bytes.
 _METADATA: dict[str, dict[str, None]] = {

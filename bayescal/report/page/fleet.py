@@ -17,7 +17,6 @@ from bayescal.report.page.pictures import pictured
 from bayescal.report.views import fleet as views
 from bayescal.report.views import provenance
 from bayescal.rounding import counted
-from bayescal.version import __version__
 
 TABLE, PAGE, DOCUMENT = "cameras.parquet", "index.html", "fleet.json"
 FOLDER = FolderKind("fleet", NAME, (TABLE, PAGE, DOCUMENT, ".bayescal-*"))
@@ -46,15 +45,15 @@ def fleet_page(fleet: Fleet, document: dict[str, object]) -> Page:
     """Collect everything that the page shows."""
     first, *rest = views.sections(fleet)
     spread = (_spread(fleet),) if fleet.spreads else ()
-    created = document["provenance"]
-    assert isinstance(created, dict)
+    origin = document["provenance"]
+    assert isinstance(origin, dict)
     wrong = len(fleet.failed) + len(fleet.unsound)
     return Page(
         title="A fleet of cameras",
         about=tuple(f"{line}." for line in views.about(fleet)),
         warning=f"{counted(wrong, 'camera')} not judged, or not soundly." if wrong else "",
         sections=(first, *spread, *rest, provenance.section({"fleet": document})),
-        made_by=f"bayescal {__version__}, {created['created']}",
+        created=origin["created"],
     )
 
 

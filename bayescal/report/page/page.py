@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from datetime import datetime
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
@@ -12,14 +13,34 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from bayescal.comparison.results import Comparison
 from bayescal.files import write_whole
 from bayescal.report.blocks import Prose, Section
+from bayescal.report.page.numbering import numbered
 from bayescal.report.page.pictures import drawn
 from bayescal.report.page.typography import sentence, symbol, typeset, visible
 from bayescal.report.runs import kind_of
 from bayescal.report.views import provenance
 from bayescal.version import __version__
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What whoever orders a page says of it; empty: nothing.
+
+    Attributes
+    ----------
+    title : str
+        In place of the kind's own.
+    camera, serial : str
+        Which camera was calibrated, and its serial number.
+    operator : str
+        Who calibrated it.
+    """
+
+    title: str = ""
+    camera: str = ""
+    serial: str = ""
+    operator: str = ""
 
 
 @dataclass(frozen=True)
@@ -32,19 +53,42 @@ class Page:
         What was analysed, a line each.
     warning : str
         Why the whole must not be trusted; empty where it can.
+    created : str
+        When the analysis was made, ISO 8601.
+    heading : Heading
     """
 
     title: str
     about: tuple[str, ...]
     warning: str
     sections: tuple[Section, ...]
-    made_by: str
+    created: str
+    heading: Heading = Heading()
+
+    @property
+    def made_by(self) -> str:
+        """The program, and when."""
+        return f"bayescal {__version__}, {self.created}"
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """What stands in the title block beside the title."""
+        said, made = self.heading, datetime.fromisoformat(self.created)
+        pairs = (
+            ("Camera", said.camera),
+            ("Serial number", said.serial),
+            ("Operator", said.operator),
+            ("Date", f"{made:%Y-%m-%d %H:%M} UTC"),
+            ("Program", f"bayescal {__version__}"),
+        )
+        return tuple((name, value) for name, value in pairs if value)
 
 
 def page_of(
     result: Any,
     command: str,
     *beside: Any,
+    heading: Heading = Heading(),
     progress: Callable[[str], None] | None = None,
 ) -> Page:
     """Collect everything that a page shows.
@@ -55,6 +99,8 @@ def page_of(
         How it was asked for, for the provenance.
     *beside : FamilyComparison or OutlierStudy
         Results on the same points, shown in chapters of their own.
+    heading : Heading, optional
+        What the title block says of camera and operator.
     progress : callable, optional
         Called with a chapter's name before it is made: drawing takes most of the time.
     """
@@ -77,11 +123,12 @@ def page_of(
     if views.methods is not None:
         sections.append(views.methods(result, beside, origin))
     return Page(
-        title=views.title(result),
+        title=heading.title or views.title(result),
         about=tuple(f"{sentence(line)}." for line in views.about(result)),
         warning="" if result.sound else f"Not sound: {views.unsound}",
         sections=(*sections, provenance.section(documents)),
-        made_by=f"bayescal {__version__}, {origin['created']}",
+        created=origin["created"],
+        heading=heading,
     )
 
 
@@ -106,7 +153,7 @@ def chapters(result: Any, *beside: Any) -> list[tuple[str, Callable[[], Section 
 
 
 def html(page: Page) -> str:
-    """Render a page as one self-contained HTML text; all text is escaped."""
+    """Render a page as one self-contained HTML text, numbered; all text is escaped."""
     environment = Environment(
         loader=PackageLoader("bayescal.report.page", ""),
         autoescape=True,
@@ -120,17 +167,31 @@ def html(page: Page) -> str:
         name: Markup((folder / file).read_text(encoding="utf-8").strip())
         for name, file in (("style", "style.css"), ("script", "script.js"))
     }
+    page = replace(page, sections=numbered(page.sections))
     return environment.get_template("template.html.j2").render(page=page, **own)
 
 
-def save_report(comparison: Comparison, path: str | Path, *, force: bool = False) -> None:
-    """Write a comparison as one self-contained HTML page.
+def save_report(
+    result: Any,
+    path: str | Path,
+    *,
+    title: str = "",
+    camera: str = "",
+    serial: str = "",
+    operator: str = "",
+    force: bool = False,
+) -> None:
+    """Write a result as one self-contained HTML page.
 
     Parameters
     ----------
-    comparison : Comparison
+    result : Comparison, FamilyComparison or OutlierStudy
         Sections that need a defence (``defend=True``) are left out where it has none.
     path : str or Path
+    title : str, optional
+        Heads the page; by default what the kind of result is.
+    camera, serial, operator : str, optional
+        For the title block: which camera was calibrated, its serial number, and by whom.
     force : bool, optional
         Replace an existing file.
 
@@ -139,5 +200,6 @@ def save_report(comparison: Comparison, path: str | Path, *, force: bool = False
     OutputError
         Where the file exists (without `force`) or can't be written.
     """
-    made = html(page_of(comparison, "bayescal.save_report"))
+    heading = Heading(title, camera, serial, operator)
+    made = html(page_of(result, "bayescal.save_report", heading=heading))
     write_whole(Path(path), made.encode(), force=force)

@@ -25,6 +25,10 @@ BROWSERS = (
 )
 TIMEOUT = 120.0  # seconds
 INSTEAD = "leave out --pdf, open the HTML report in any browser and print it to PDF"
+# What Chromium writes of the pages, and of the places on them that links lead to.
+_NODES = re.compile(rb"(\d+) 0 obj\s<</Type /Pages\s[^>]*?/Kids \[([^\]]*)\]")
+_PLACES = re.compile(rb"/(?!Dest )(\S+) \[(\d+) 0 R /XYZ")
+_CITED = re.compile(r'data-of="([^"]+)">')
 _DATES = re.compile(rb"/(CreationDate|ModDate) \(D:(\d{14})([+-]\d\d'\d\d')?\)")
 
 
@@ -57,7 +61,10 @@ def check_browser(browser: str) -> None:
 
 
 def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -> bytes:
-    """Print a page on A4.
+    """Print a page on A4, the numbers of its pages in its contents.
+
+    Browsers can't count ahead (``target-counter`` of CSS): it is printed once to learn on
+    which page every chapter begins, and once more with these numbers.
 
     Parameters
     ----------
@@ -75,6 +82,34 @@ def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -
     OutputError
         Where the browser fails or takes too long; none of its processes is left.
     """
+    made = printed(page, browser, timeout)
+    if _CITED.search(page) is not None:
+        made = printed(_with_pages(page, pages_of(made)), browser, timeout)
+    return _dated(made, created)
+
+
+def pages_of(made: bytes) -> dict[str, int]:
+    """Find the pages that links lead to, by the ids of their places."""
+    nodes = {n: re.findall(rb"(\d+) 0 R", kids) for n, kids in _NODES.findall(made)}
+    (root,) = nodes.keys() - {kid for kids in nodes.values() for kid in kids}
+    numbers = {n: i for i, n in enumerate(_leaves(root, nodes), 1)}
+    return {place.decode(): numbers[n] for place, n in _PLACES.findall(made)}
+
+
+def _leaves(node: bytes, nodes: dict[bytes, list[bytes]]) -> list[bytes]:
+    """List the pages below a node of a PDF's tree of pages, in order."""
+    if node not in nodes:
+        return [node]
+    return [leaf for kid in nodes[node] for leaf in _leaves(kid, nodes)]
+
+
+def _with_pages(page: str, pages: dict[str, int]) -> str:
+    """Fill the numbers of pages into a page's contents."""
+    return _CITED.sub(lambda found: f"{found[0]}{pages.get(found[1], '')}", page)
+
+
+def printed(page: str, browser: str, timeout: float) -> bytes:
+    """Print a page once."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as temporary:
         folder = Path(temporary)
         source, out = folder / "report.html", folder / "report.pdf"
@@ -88,6 +123,7 @@ def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -
             "--no-first-run",
             f"--user-data-dir={folder / 'profile'}",
             "--no-pdf-header-footer",
+            "--generate-pdf-document-outline",
             f"--print-to-pdf={out}",
             source.as_uri(),
         ]
@@ -97,7 +133,7 @@ def print_pdf(page: str, browser: str, created: str, timeout: float = TIMEOUT) -
         made = out.read_bytes() if out.is_file() else b""
     if not (made.startswith(b"%PDF") and made.rstrip().endswith(b"%%EOF")):
         raise OutputError(f"{browser} printed no whole PDF; {INSTEAD}")
-    return _dated(made, created)
+    return made
 
 
 def _run(command: list[str], timeout: float) -> None:

@@ -54,7 +54,8 @@ def places_table(maps: ImageMaps) -> Table:
     assert at is not None, "of the whole image"
     others = at.differences[:MOST]
     heads = ["place", "r", "c", "sd", "new sd", *["averaged sd"] * bool(others)]
-    columns = [Column(h) for h in (*heads, *(f"to {d.other}" for d in others), "")]
+    columns = [Column(h) for h in (*heads, *(f"to {d.other}" for d in others))]
+    columns.append(Column("", title="remark"))
     rows = []
     for i, name in enumerate(NAMES):
         r, c = at.places.pixels[i]

@@ -6,6 +6,8 @@ from bayescal.comparison.outliers.records import PointRecord
 from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
 from bayescal.comparison.verdict import percent
 from bayescal.report.blocks import (
+    Answer,
+    Answers,
     Block,
     Blocks,
     Details,
@@ -45,7 +47,21 @@ def section(study: OutlierStudy) -> Section:
         "Bad points",
         "Which readings should be looked at again, and would the order have been another without "
         "them?",
-        tuple(Part(_title(axis), _blocks(axis, study)) for axis in study.axes.values()),
+        (
+            Answers(tuple(map(_answer, study.axes.values()))),
+            *(Part(_title(axis), _blocks(axis, study)) for axis in study.axes.values()),
+        ),
+    )
+
+
+def _answer(axis: AxisOutliers) -> Answer:
+    """Say in large type how many points are suspicious, and what that does to the order."""
+    count = len(axis.suspicious)
+    return Answer(
+        f"{axis.data.axis}, in {axis.data.regressor}",
+        counted(count, "suspicious point") if count else "no suspicious point",
+        axis.verdict.partition(". ")[0],
+        tuple(dict.fromkeys(f.because for f in axis.findings if f.withholds)),
     )
 
 

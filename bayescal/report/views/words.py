@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from bayescal.comparison.results import AxisComparison
 from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.noise.model import NoiseModel
@@ -9,9 +11,12 @@ from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import RATE, SHAPE, StudentT
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
+from bayescal.rounding import counted
 
 # Beside a number whose evidence should not be trusted.
 MARK = "?"
+# What folds a table away that says what a figure above it shows.
+IN_NUMBERS = "The same in numbers"
 NU_PRIOR = f"~ Gamma(shape {SHAPE:g}, rate {RATE:g})"
 
 
@@ -77,6 +82,11 @@ def prior_words(rule: PriorRule) -> str:
         f"field; b0 ~ N({rule.centre:g}, {half}), b1 ~ N(0, {half}), bj ~ N(0, tau * "
         f"{rule.size:g}) px; tau {tau}"
     )
+
+
+def told_below(caveats: Sequence[str]) -> tuple[str, ...]:
+    """Say, beside an answer in large type, that there are caveats; nothing where there are none."""
+    return (f"{counted(len(caveats), 'caveat')} below",) if caveats else ()
 
 
 def p_words(value: float) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from PIL import Image
 from playwright.sync_api import Browser, Page
 
 
@@ -51,8 +53,54 @@ def test_nothing_overflows(browser: Browser, thesis_page: Path, width: int, scri
             assert page.evaluate(widest) <= width
         assert seen is not None
         assert seen["width"] <= width
-        assert page.locator("h2").count() == 13
+        assert page.locator("h2").count() == 14
         assert page.locator("th button").count() == (page.locator("thead th").count() * scripts)
+
+
+def test_contents_mark_what_is_read(browser: Browser, thesis_page: Path):
+    with opened(browser, thesis_page) as page:
+        marked = page.locator("nav a[aria-current]")
+        assert marked.all_inner_texts() == ["Verdict"]
+        for section in ("adequacy", "provenance"):
+            page.evaluate("id => document.getElementById(id).scrollIntoView()", section)
+            page.wait_for_function(
+                "id => document.querySelector('nav a[aria-current]').hash === '#' + id", arg=section
+            )
+            assert marked.count() == 1
+
+
+def test_what_is_cut_off_says_so(browser: Browser, thesis_page: Path):
+    with opened(browser, thesis_page, 390) as page:
+        wide = page.locator("#orders-r .scroll")
+        assert "more-right" in wide.get_attribute("class")
+        assert wide.get_attribute("tabindex") == "0"
+        cue = "e => getComputedStyle(e, '::after').content"
+        assert "scroll" in page.locator("#orders-r .caption").evaluate(cue)
+        wide.evaluate("e => { e.scrollLeft = e.scrollWidth; }")
+        page.wait_for_function(
+            "() => !document.querySelector('#orders-r .scroll').matches('.more-right')"
+        )
+    with opened(browser, thesis_page, 1920) as page:
+        assert page.locator(".scroll.more-right").count() == 0
+
+
+def test_figures_have_the_papers_colour_in_the_dark(browser: Browser, thesis_page: Path):
+    """The figures' white, inverted, is the page's background: there is no frame to be seen."""
+    with opened(browser, thesis_page, scheme="dark") as page:
+        figure = page.locator("#figure-verdict img")
+        box = figure.bounding_box()
+        around = {"x": box["x"] - 6, "y": box["y"] + 2, "width": 12, "height": 12}
+        shot = page.screenshot(clip=around)
+    with Image.open(io.BytesIO(shot)) as image:
+        assert image.convert("RGB").getcolors() == [(144, (23, 23, 23))]
+
+
+def test_paper_shows_what_the_screen_folds_away(browser: Browser, thesis_page: Path):
+    with opened(browser, thesis_page) as page:
+        hidden = page.locator("#covariance-r-4")
+        assert not hidden.is_visible()
+        page.emulate_media(media="print")
+        assert hidden.is_visible()
 
 
 def column(page: Page, number: int) -> list[float]:

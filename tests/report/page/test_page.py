@@ -11,8 +11,9 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.results import Comparison
+from bayescal.report.blocks import Section
 from bayescal.report.document.comparison import comparison_document
-from bayescal.report.page.page import html, page_of, save_report
+from bayescal.report.page.page import Heading, Page, html, page_of, save_report
 from bayescal.report.page.typography import symbol, typeset, visible
 from tests.helpers.points_files import rows, text, write
 
@@ -139,6 +140,21 @@ def test_signs():
     assert typeset("-1.5, 3-4, run-2.csv, chi2, dAIC") == "−1.5, 3-4, run-2.csv, χ², ΔAIC"  # noqa: RUF001
     assert symbol("alpha_12") == "α₁₂"
     assert symbol("-5") == "−5"  # noqa: RUF001
+
+
+def test_title_block_says_what_it_is_told_as_text():
+    heading = Heading("<b>Plant 7</b>", "left", "A-1", "chi2 Ltd")
+    section, created = Section("a", "A", "", ()), "2026-01-02T03:04:05+00:00"
+    found = html(Page(heading.title, (), "", (section,), created, heading))
+    assert "<h1>&lt;b&gt;Plant 7&lt;/b&gt;</h1>" in found
+    pairs = re.findall(r"<dt>(.*?)</dt><dd>(.*?)</dd>", found)
+    assert pairs[:4] == [
+        ("Camera", "left"),
+        ("Serial number", "A-1"),
+        ("Operator", "chi2 Ltd"),
+        ("Date", "2026-01-02 03:04 UTC"),
+    ]
+    assert len(re.findall("<dt>", html(Page("", (), "", (section,), created)))) == 2
 
 
 def test_never_over_a_file_without_force(tmp_path: Path):

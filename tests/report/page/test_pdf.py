@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from bayescal.errors import OutputError
-from bayescal.report.page.pdf import find_browser, print_pdf
+from bayescal.report.page.pdf import find_browser, pages_of, print_pdf, printed
 from tests.helpers.command import here
 
 CREATED = "2026-01-02T03:04:05+00:00"
@@ -23,6 +23,17 @@ def test_pages_text_and_date(chromium: str, thesis_page: Path):
     dates = re.findall(rb"/(?:CreationDate|ModDate) \(D:(\d+)", made)
     assert dates
     assert set(dates) == {b"20260102030405"}
+
+
+def test_contents_name_the_pages_that_chapters_begin_on(chromium: str):
+    """Twenty chapters, each on a page of its own but for two that share the second page."""
+    breaks = ["page"] * 20
+    breaks[2] = "auto"
+    links = "".join(f'<a href="#c{i}">.</a><b data-of="c{i}"></b>' for i in range(20))
+    parts = [f'<h2 id="c{i}" style="break-before:{how}">{i}</h2>' for i, how in enumerate(breaks)]
+    made = printed(f"<!DOCTYPE html><nav>{links}</nav>{''.join(parts)}", chromium, 60.0)
+    found = {f"c{i}": i + 2 - (i > 1) for i in range(20)}
+    assert pages_of(made) == found
 
 
 def test_no_browser_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -12,7 +12,7 @@ from bayescal.comparison.defence.stability import joint_probabilities
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
-from bayescal.report.figures.style import BLUE, VERMILLION, one_panel
+from bayescal.report.figures.style import BLUE, VERMILLION, ink_on, one_panel
 from bayescal.report.figures.subject import Subject
 
 SHADES = LinearSegmentedColormap.from_list("probability", ["#ffffff", BLUE])
@@ -31,9 +31,8 @@ def draw(subject: Subject) -> Figure:
     panel.pcolormesh(*edges, table, cmap=SHADES, vmin=0, vmax=1, edgecolors=LINES, linewidth=0.5)
     for (i, j), chance in np.ndenumerate(table):
         if chance >= SHOWN:
-            colour = "white" if chance > 0.55 else "black"
-            text = percent(float(chance)).replace("%", " %")
-            panel.text(j, i, text, ha="center", va="center", color=colour, fontsize=8.5)
+            text, ink = percent(float(chance)).replace("%", " %"), ink_on(SHADES(float(chance)))
+            panel.text(j, i, text, ha="center", va="center", color=ink, fontsize=8.5)
     i, j = np.unravel_index(int(table.argmax()), table.shape)
     frame = Rectangle((j - 0.5, i - 0.5), 1, 1, fill=False, edgecolor=VERMILLION, linewidth=1.8)
     panel.add_patch(frame).set_clip_on(False)

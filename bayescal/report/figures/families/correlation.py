@@ -10,7 +10,7 @@ from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.errors import InputError
 from bayescal.report.figures.comparison.joint import LINES
 from bayescal.report.figures.parameters import parameter_symbol
-from bayescal.report.figures.style import BLUE, VERMILLION, WIDTH, one_panel
+from bayescal.report.figures.style import BLUE, VERMILLION, WIDTH, ink_on, one_panel
 from bayescal.report.numbers import correlations
 from bayescal.report.views.families.words import weak_words
 
@@ -46,8 +46,8 @@ def draw(found: FamilyComparison) -> Figure:
             for j in range(i + 1):
                 value = float(lower[i, j])
                 text = f"{round(value, 2) + 0.0:.2f}".replace("-", "\N{MINUS SIGN}")
-                colour = "white" if abs(value) > 0.65 else "black"
-                panel.text(j, i, text, ha="center", va="center", fontsize=7, color=colour)
+                ink = ink_on(DIVERGING((1 + value) / 2))
+                panel.text(j, i, text, ha="center", va="center", fontsize=7, color=ink)
     panel.set_xticks(range(size), [_label(name) for name in names[:-1]], rotation=90)
     panel.set_yticks(range(size), [_label(name) for name in names[1:]])
     panel.invert_yaxis()  # as a table reads

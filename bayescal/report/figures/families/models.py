@@ -12,7 +12,7 @@ from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.comparison.verdict import percent
 from bayescal.report.figures.comparison.joint import LINES, SHADES
-from bayescal.report.figures.style import VERMILLION, WIDTH, several_panels
+from bayescal.report.figures.style import VERMILLION, WIDTH, ink_on, several_panels
 
 RANGE = 20.0  # nat below the highest at which cells are white
 ROW, ROOM = 0.3, 0.62  # inches: of a row of cells, of what stands around a panel
@@ -83,7 +83,7 @@ def _panel(
                 ha="center",
                 va="center",
                 fontsize=8.5,
-                color="white" if value > -0.45 * RANGE else "black",
+                color=ink_on(SHADES(1 + value / RANGE)),
                 weight="bold" if model.key in found.verdict.plausible else "normal",
             )
         if model is found.best:

@@ -20,6 +20,8 @@ from bayescal.report.blocks import (
     Tabled,
     listed,
 )
+from bayescal.report.numbers import joint_covariance
+from bayescal.report.views.covariance import covariance_tabled
 from bayescal.report.views.families.tables import (
     correlation_table,
     elpd_words,
@@ -42,12 +44,13 @@ from bayescal.report.views.maps import map_section
 from bayescal.report.views.orders.adequacy import adequacy_blocks
 from bayescal.report.views.remember import remembered
 from bayescal.report.views.views import Views
+from bayescal.report.views.words import told_below
 from bayescal.rounding import significant
 
 UNSOUND = "some draws did not converge, or an evidence should not be trusted; see the caveats."
 CAPTIONS = {
-    "models": "Log evidence of every model less the highest, one scale for all. Dark cells are "
-    "probable, the most probable model is framed; bold: not excluded at 95%.",
+    "models": "Log evidence of every model less the highest, one scale for all. The fuller the "
+    "colour, the more probable; the most probable model is framed; bold: not excluded at 95%.",
     "vectors": "Residuals over the image, from predicted to measured, of the best model and of the "
     "best under the other treatment of the camera position; lengths magnified alike.",
     "position": "Posterior of the camera position by the best model of each family at a free "
@@ -103,7 +106,10 @@ def section(found: FamilyComparison) -> Section:
     blocks.append(Part("What was assumed", (Facts(_assumed(found)),)))
     left = (_figure(found, "vectors"), *adequacy(found))
     blocks.append(Part("What is left over, over the image", left))
-    blocks += [Part(f"Parameters of {m.key}", (parameters(m, found),)) for m in _shown(found)]
+    shown = _shown(found)
+    blocks += [Part(f"Parameters of {m.key}", _parameters(m, found)) for m in shown]
+    rest = (m for m in found.models if m.posterior is not None and m not in shown)
+    blocks += [Details(f"Parameters of {m.key}", _parameters(m, found, folded=True)) for m in rest]
     figures = _figure(found, "position"), _figure(found, "correlation")
     together = (*figures, *_weak(found), *sampling(found))
     blocks.append(Part("Camera position, and what moves together", together))
@@ -192,6 +198,15 @@ def parameters(model: JointModel, found: FamilyComparison) -> Tabled:
     return Tabled(id, caption, parameters_table(model, grouped), notes)
 
 
+def _parameters(model: JointModel, found: FamilyComparison, *, folded: bool = False) -> Blocks:
+    """Show a model's parameters, and how they move together."""
+    id = f"families-covariance-{model.key.file(model.key.noise)}"
+    together = covariance_tabled(id, str(model.key), *joint_covariance(model))
+    if not folded:
+        return parameters(model, found), Details("Covariance and correlations", (together,))
+    return parameters(model, found), together
+
+
 def sampling(found: FamilyComparison) -> Blocks:
     """Say how the sampling of all models went; nothing where none was sampled."""
     words = sampling_words(found)
@@ -221,7 +236,12 @@ def _answers(found: FamilyComparison) -> tuple[Answer, Answer]:
     if len(verdict.positions) > 1:
         where += f"; {percent(verdict.positions[best.position])} over all models"
     return (
-        Answer("model of r and c", f"{best.family} {order}", verdict.standing),
+        Answer(
+            "model of r and c",
+            f"{best.family} {order}",
+            verdict.standing,
+            verdict.withheld or told_below(verdict.caveats),
+        ),
         Answer("camera position", best.position, where),
     )
 

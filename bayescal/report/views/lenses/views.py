@@ -37,13 +37,14 @@ from bayescal.report.views.lenses.words import (
     weak_words,
 )
 from bayescal.report.views.views import Views
+from bayescal.report.views.words import told_below
 from bayescal.rounding import significant
 
 UNSOUND = "draws did not converge, or an evidence should not be trusted."
 CAPTIONS = {
     "evidence": "Log evidence over the number of radial coefficients, below the best lens; "
     "dashed: odds of 20 to 1. On the right lenses without an order.",
-    "models": "Log evidence of each lens below the best; dark: not excluded at 95%.",
+    "models": "Log evidence of each lens below the best; strong colour: not excluded at 95%.",
     "difference": "Where the two most probable lenses predict otherwise, at infinity, px, the turn "
     "of the poses taken out; grey: where points were seen.",
     "vectors": "What is left over of every point in all views, the target's offsets taken out; "
@@ -177,7 +178,7 @@ def _answers(found: LensComparison) -> tuple[Answer, ...]:
         standing += f"; {others} other{'s' * (others > 1)} not excluded"
     else:
         standing += "; decided at 95%"
-    answers = [Answer("lens", best.name, standing)]
+    answers = [Answer("lens", best.name, standing, told_below(found.verdict.caveats))]
     known = {place.name: place.infinity for place in found.places}
     corners = [v for name, v in known.items() if name.endswith("corner") and v is not None]
     if known["centre"] is not None and corners:

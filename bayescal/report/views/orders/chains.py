@@ -22,8 +22,10 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
     trace = Figure("trace", comparison, traces, name, dpi=DPI)
     return (
         Tabled(f"chains-{name}", caption, diagnostics_table(axis)),
-        Figure("autocorrelation", comparison, autocorrelation, name),
-        Details(f"Traces of {name}, order {order}", (trace,)),
+        Details(
+            f"Traces and autocorrelation of {name}, order {order}",
+            (trace, Figure("autocorrelation", comparison, autocorrelation, name)),
+        ),
     )
 
 

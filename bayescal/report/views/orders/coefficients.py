@@ -8,25 +8,29 @@ from functools import partial
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.report.blocks import Block, Blocks, Details, Prose, Tabled
+from bayescal.report.numbers import covariance
 from bayescal.report.table import Cell, Column, Table, number_cell
+from bayescal.report.views.covariance import covariance_tabled
 from bayescal.report.views.views import Topic
 from bayescal.report.views.words import p_words
 from bayescal.rounding import rounded, significant
 
 
 def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
-    """Show the coefficients of the recommended order; any other folded away."""
+    """Show the coefficients of the recommended order, how they move together; others folded."""
     name, chosen = axis.data.axis, axis.chosen
     blocks: list[Block] = []
     if axis.verdict.order is None:
         blocks.append(Prose("No order is recommended; shown is the one of lowest BIC."))
-    blocks.append(_tabled(axis, chosen))
+    together = (_together(axis, chosen),)
+    blocks += [_tabled(axis, chosen), Details("Covariance and correlations", together)]
     exact = exact_tabled(axis, chosen)
     if exact.table.rows:
         blocks.append(Details("Without sampling, as a check", (exact,)))
     for result in axis.orders:
         if result is not chosen:
-            blocks.append(Details(f"Order {result.order} of {name}", (_tabled(axis, result),)))
+            other = _tabled(axis, result), _together(axis, result)
+            blocks.append(Details(f"Order {result.order} of {name}", other))
     return tuple(blocks)
 
 
@@ -50,6 +54,16 @@ def _tabled(axis: AxisComparison, result: OrderResult) -> Tabled:
     else:
         id = f"{id}-{result.order}"
     return Tabled(id, caption, coefficients_table(axis, result))
+
+
+def _together(axis: AxisComparison, result: OrderResult) -> Tabled:
+    name, posterior = axis.data.axis, result.posterior
+    return covariance_tabled(
+        f"covariance-{name}-{result.order}",
+        f"{name} at order {result.order}",
+        posterior.names,
+        covariance(posterior.chain.draws),
+    )
 
 
 def exact_tabled(axis: AxisComparison, result: OrderResult) -> Tabled:

@@ -12,7 +12,7 @@ from bayescal.report.blocks import Block, Blocks, Figure, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.orders.robust import error_cell
 from bayescal.report.views.views import Topic
-from bayescal.report.views.words import MARK, floor_words, one_decimal, shape_words
+from bayescal.report.views.words import IN_NUMBERS, MARK, floor_words, one_decimal, shape_words
 from bayescal.rounding import significant
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
@@ -37,7 +37,14 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
             "tau, known beforehand; a fraction of the image."
         )
         blocks.append(Figure("evidence", comparison, caption, name))
-        blocks.append(Tabled(f"tau-{name}", "The same in numbers.", tau_table(axis, defence.tau)))
+        blocks.append(
+            Tabled(
+                f"tau-{name}",
+                f"Log evidence of each order of {name} at fixed tau.",
+                tau_table(axis, defence.tau),
+                folded=IN_NUMBERS,
+            )
+        )
     if defence.noises:
         caption = f"Evidence of the recommended order of {name} under each noise model."
         table, notes = noises_table(axis, defence.noises), (noises_note(axis, defence.noises),)

@@ -9,7 +9,7 @@ from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Blocks, Figure, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.views import Topic
-from bayescal.report.views.words import MARK, one_decimal
+from bayescal.report.views.words import IN_NUMBERS, MARK, one_decimal
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
     from bayescal.comparison.defence.results import Defence
@@ -43,6 +43,7 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
             f"Leave-one-out of every order of {name}, nat.",
             prediction_table(axis, defence),
             tuple(prediction_lines(axis, defence)),
+            folded=IN_NUMBERS,
         ),
     )
 

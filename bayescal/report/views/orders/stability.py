@@ -10,6 +10,7 @@ from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Block, Blocks, Figure, Part, Prose, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.views import Topic
+from bayescal.report.views.words import IN_NUMBERS
 from bayescal.rounding import significant
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
@@ -26,7 +27,8 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
         words = f"Share of bootstrap resamples that each order of {name} wins."
         caption = f"Stability of the choice for {name}."
         blocks.append(Figure("bootstrap", comparison, words, name))
-        blocks.append(Tabled(f"stability-{name}", caption, stability_table(axis, defence)))
+        table = stability_table(axis, defence)
+        blocks.append(Tabled(f"stability-{name}", caption, table, folded=IN_NUMBERS))
     blocks += [Prose(line, "note") for line in (*world_lines(axis), *left_out(axis))]
     return tuple(blocks)
 
@@ -45,7 +47,7 @@ def both_axes(comparison: Comparison) -> Blocks:
             "Both axes together",
             (
                 Figure("joint", comparison, caption),
-                Tabled("joint", "The same pairs in numbers.", table),
+                Tabled("joint", "Probability of each pair.", table, folded=IN_NUMBERS),
             ),
         ),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.report.blocks import Answer, Answers, Blocks, Figure, Prose, listed
 from bayescal.report.views.views import Topic
+from bayescal.report.views.words import told_below
 
 
 def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
@@ -42,4 +43,5 @@ def caveats(axis: AxisComparison) -> Blocks:
 
 def _answer(axis: AxisComparison) -> Answer:
     verdict, name = axis.verdict, f"{axis.data.axis}, in {axis.data.regressor}"
-    return Answer(name, verdict.recommended, verdict.standing)
+    doubts = verdict.withheld or told_below(verdict.caveats)
+    return Answer(name, verdict.recommended, verdict.standing, doubts)
