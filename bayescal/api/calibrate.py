@@ -7,18 +7,21 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from bayescal.comparison.lenses.analysis import compare_lenses
-from bayescal.comparison.lenses.results import LensComparison, LensRequest
+from bayescal.comparison.lenses.request import LensRequest
+from bayescal.comparison.lenses.results import LensComparison
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
+
+PER_VIEW = "per-view"
 
 
 def calibrate(
     views: Any,
     *,
     lenses: Sequence[str] | None = None,
-    sigma: float | None = None,
+    sigma: float | str | None = None,
     independent: bool = False,
     square: bool = False,
     centred: bool = False,
@@ -36,9 +39,10 @@ def calibrate(
     lenses : sequence of str, optional
         Such as ``"radial 2"``, ``"radial 2 + p"`` (with tangential terms), ``"fisheye 3"`` or
         ``"opencv5"``; by default they are found, plain ones first, while the evidence rises.
-    sigma : float, optional
-        Known standard deviation of r and c, px; inferred by default. With the views' own
-        deviations it is a factor on them.
+    sigma : float or str, optional
+        Known standard deviation of r and c, px; inferred by default; ``"per-view"``: each view
+        has its own, how they compare settled from residuals, their common factor inferred. With
+        the views' own deviations it is a factor on them.
     independent : bool, optional
         Take noise as independent and the target as exact, which no real target is: the error
         models (correlated noise, points of the target that are off, a target that bows) are
@@ -61,8 +65,11 @@ def calibrate(
     InputError
         Where an option can't be used, or no lens can be fitted.
     """
-    if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
-        raise InputError(f"sigma must be a positive number of px, not {sigma:g}")
+    known = None if sigma in ("inferred", PER_VIEW) else sigma
+    if isinstance(known, str) or not (known is None or 0 < known < math.inf):
+        raise InputError(
+            f"sigma must be inferred, {PER_VIEW} or a positive number of px, not {known}"
+        )
     if not isinstance(views, Views):
         views = load_views(views)
     if len(views) < 2:
@@ -70,6 +77,6 @@ def calibrate(
             f"{views.source}: one view can't tell lens from pose; take at least two, better ten"
         )
     names = None if lenses is None else tuple(lenses)
-    request = LensRequest(names, independent, square, centred)
-    settings = Settings(sigma=sigma, seed=seed, ess=ess)
+    request = LensRequest(names, independent, square, centred, per_view=sigma == PER_VIEW)
+    settings = Settings(sigma=known, seed=seed, ess=ess)
     return compare_lenses(views, request, settings, progress or (lambda _: None))

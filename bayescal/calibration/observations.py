@@ -36,6 +36,9 @@ class Observations:
         Width and height of the image, px.
     diagonal : float
         Of the target, in its own unit.
+    levels : Array or None
+        Noise of each view over that of the usual one, which the weights hold, ``(n_views,)``;
+        None where all are alike.
     """
 
     target: Array
@@ -44,6 +47,7 @@ class Observations:
     weight: Array
     size: tuple[float, float]
     diagonal: float
+    levels: Array | None = None
 
     @classmethod
     def of(
@@ -140,9 +144,20 @@ class Observations:
         """Sum of the logs of the weights."""
         return float(np.log(self.weight[self.seen]).sum())
 
+    def with_levels(self, levels: Array) -> Observations:
+        """Give every view its level of noise, ``(n_views,)``."""
+        return replace(self, weight=self.weight / levels[:, None, None], levels=levels)
+
     def only(self, views: IntArray) -> Observations:
         """Give the observations of some views, in that order."""
         n = int(self.counts[views].max())
         kept = np.argsort(~self.seen[views], axis=1, kind="stable")[:, :n]
         at = np.asarray(views)[:, None], kept
-        return replace(self, which=self.which[at], pixels=self.pixels[at], weight=self.weight[at])
+        levels = None if self.levels is None else self.levels[views]
+        return replace(
+            self,
+            which=self.which[at],
+            pixels=self.pixels[at],
+            weight=self.weight[at],
+            levels=levels,
+        )

@@ -28,9 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_lenses(model)
     model.add_argument(
         "--sigma",
-        type=shared.sigma,
+        type=_sigma,
         metavar="LEVEL",
-        help="noise level, px, or inferred (inferred)",
+        help="noise level: px, inferred, or per-view: each view its own (inferred)",
     )
     run = parser.add_argument_group("run")
     run.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
@@ -75,10 +75,6 @@ def add_lenses(model: argparse._ArgumentGroup) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compare, print and write; return the exit code."""
-    from bayescal.errors import InputError
-
-    if options.sigma in ("replicates", "scale"):
-        raise InputError(f"calibrate: sigma {options.sigma} is of points; give px or inferred")
     check_output(options)
     if options.report is not None:
         check_file(options, Path(options.report))
@@ -90,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
         result = calibrate(
             found,
             lenses=options.lens,
-            sigma=None if options.sigma == "inferred" else options.sigma,
+            sigma=options.sigma,
             independent=options.independent,
             square=options.square_pixels,
             centred=options.centred,
@@ -107,6 +103,11 @@ def run(options: argparse.Namespace) -> int:
         write_whole(Path(options.report), made.encode(), force=options.force)
     _write_cameras(options, result)
     return code_of(sound=result.sound)
+
+
+def _sigma(text: str) -> float | str:
+    """Parse a noise level: a number of px or a word."""
+    return text if text == "per-view" else shared.sigma(text)
 
 
 def _check_cameras(options: argparse.Namespace) -> None:

@@ -15,7 +15,8 @@ from bayescal.calibration.averaging import ErrorAverage
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import INFERRED
 from bayescal.comparison.judging import judge_all
-from bayescal.comparison.lenses.results import JudgedLens, LensRequest
+from bayescal.comparison.lenses.request import LensRequest
+from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.comparison.lenses.sweep import Sweep
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store

@@ -85,8 +85,8 @@ def test_a_lens_that_a_format_lacks_and_odd_views_are_said(
     [
         (["--lens", "radial 99"], "order 99"),
         (["--lens", "none"], "lens 'none'"),
-        (["--sigma", "-1"], "sigma must be a positive number"),
-        (["--sigma", "replicates"], "sigma replicates"),
+        (["--sigma", "-1"], "a positive number of px, not -1"),
+        (["--sigma", "replicates"], "a positive number of px, not replicates"),
         (["nowhere.csv"], "nowhere.csv"),
         (["--board", "9x6"], "--board is of a file of views, and none is named"),
         (["--camera", "ply", "c"], "no format is called 'ply'"),

@@ -35,16 +35,21 @@ def pictures(
     Both are numbers that single precision holds, which is what OpenCV calibrates with.
     """
     world = board() if target is None else target
-    matrix = np.array([[FOCAL[0], 0, CENTRE[0]], [0, FOCAL[1], CENTRE[1]], [0, 0, 1.0]])
     views: list[Array] = []
     while len(views) < n_views:
         turn = rng.normal(0, [0.4, 0.4, 0.3])
         depth = rng.uniform(300, 600)
         at = np.array([rng.uniform(-0.25, 0.25) * depth, rng.uniform(-0.2, 0.2) * depth, depth])
-        found = cv2.projectPoints(world, turn, at, matrix, np.array(k))[0].reshape(-1, 2)
+        found = seen(world, turn, at, k)
         if (found > 3).all() and (found < np.array(SIZE) - 4).all():
             views.append(found + rng.normal(0, sigma, found.shape))
     return world, np.array(views).astype(np.float32).astype(np.float64)
+
+
+def seen(world: Array, turn: Array, at: Array, k: tuple[float, ...] = (0.0,) * 5) -> Array:
+    """Pixels of a target by OpenCV's projector, ``(n, 2)``, without noise."""
+    matrix = np.array([[FOCAL[0], 0, CENTRE[0]], [0, FOCAL[1], CENTRE[1]], [0, 0, 1.0]])
+    return np.asarray(cv2.projectPoints(world, turn, at, matrix, np.array(k))[0].reshape(-1, 2))
 
 
 def observed(world: Array, pixels: Array) -> Observations:

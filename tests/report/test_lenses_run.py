@@ -31,7 +31,7 @@ def made() -> LensComparison:
     width, height = boards.SIZE
     names = [f"photo {i}" for i in range(6)]
     views = bc.Views.from_arrays([world] * 6, list(pixels), names=names, width=width, height=height)
-    return bc.calibrate(views, lenses=["radial 1", "radial 2"], ess=100)
+    return bc.calibrate(views, lenses=["radial 1", "radial 2"], sigma="per-view", ess=100)
 
 
 @pytest.fixture(scope="module")

@@ -24,13 +24,8 @@ from bayescal.comparison.lenses.prediction import (
     largest,
     observed_sample,
 )
-from bayescal.comparison.lenses.results import (
-    Drawn,
-    Evidenced,
-    JudgedLens,
-    LensComparison,
-    LensRequest,
-)
+from bayescal.comparison.lenses.request import LensRequest
+from bayescal.comparison.lenses.results import Drawn, Evidenced, JudgedLens, LensComparison
 from bayescal.comparison.lenses.sweep import Sweep, size_notes
 from bayescal.comparison.lenses.verdict import judge_lenses
 from bayescal.comparison.settings import Settings

@@ -16,6 +16,7 @@ from bayescal.comparison.lenses.view_caveats import (
     loud_views,
     parallel,
     sigma_unusual,
+    undetermined,
     wider,
 )
 from bayescal.rounding import counted
@@ -120,6 +121,7 @@ CAVEATS: tuple[Callable[[Evidenced], str | None], ...] = (
     failed,
     few_views,
     parallel,
+    undetermined,
     folds,
     edge,
     sigma_unusual,

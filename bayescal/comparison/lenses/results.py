@@ -14,34 +14,12 @@ from bayescal.calibration.lens_model import LensModel
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.prediction import View
+from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.settings import Settings
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.markup import bullets, table
 from bayescal.points.views.views import Views
 from bayescal.rounding import significant
-
-
-@dataclass(frozen=True)
-class LensRequest:
-    """Which lens models are compared, and what else is held.
-
-    Attributes
-    ----------
-    lenses : tuple of str or None
-        As the user names them; None to have them found.
-    independent : bool
-        Whether noise is taken as independent and the target as exact.
-    square, centred : bool
-        Whether fx = fy; whether the principal point stays in the middle.
-    draws : int
-        Importance draws of each lens.
-    """
-
-    lenses: tuple[str, ...] | None = None
-    independent: bool = False
-    square: bool = False
-    centred: bool = False
-    draws: int = 2000
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

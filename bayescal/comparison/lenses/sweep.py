@@ -12,6 +12,7 @@ from bayescal.calibration.least_squares import Fit, carried, least_squares
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.start import start_fit
+from bayescal.calibration.view_levels import view_levels
 from bayescal.comparison.lenses.candidates import (
     LARGEST_FISHEYE,
     LARGEST_RADIAL,
@@ -25,10 +26,12 @@ from bayescal.comparison.lenses.candidates import (
     rational_candidate,
 )
 from bayescal.comparison.lenses.fitted import FittedLens
-from bayescal.comparison.lenses.results import JudgedLens, LensRequest
+from bayescal.comparison.lenses.request import LensRequest
+from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.errors import InputError
 from bayescal.points.views.views import Views
 
+FLEXIBLE = ("radial 3 + p", "fisheye 3")  # lenses that show how noisy views are
 WORSE = 1e-9  # relative: a nested fit worse than its sub-model's by this is a failure
 FIRST: tuple[Node, ...] = ((0, 0, 0, 0), (3, 3, 3, 3))
 
@@ -60,12 +63,21 @@ class Sweep:
         size = image_size(views)
         self.request, self.level = request, level
         self.data = Observations.from_views(views, size)
+        if request.per_view:
+            self.data = self.data.with_levels(view_levels(self.data, self._models(FLEXIBLE)))
         self.impossible: list[str] = []
         self.failures: list[str] = []
         self._start = FIRST
         self._setting: Setting | None = None
         self._fits: dict[str, tuple[LensModel, Fit]] = {}
         self._evidence: dict[str, float] = {}
+
+    def _models(self, names: Sequence[str]) -> list[LensModel]:
+        return [self._model(candidate) for candidate in named_candidates(names)]
+
+    def _model(self, candidate: Candidate) -> LensModel:
+        request = self.request
+        return candidate.model(self.data.size, square=request.square, centred=request.centred)
 
     @property
     def setting(self) -> Setting:
@@ -101,9 +113,8 @@ class Sweep:
 
     def _fitted(self, candidates: Iterable[Candidate]) -> Iterator[FittedLens]:
         """Fit candidates, leaving out those that can't see some point."""
-        request = self.request
         for candidate in candidates:
-            model = candidate.model(self.data.size, square=request.square, centred=request.centred)
+            model = self._model(candidate)
             fit = self._fit(candidate, model)
             if not math.isfinite(fit.sum_of_squares):
                 self.impossible.append(candidate.name)
@@ -112,7 +123,7 @@ class Sweep:
             if self._setting is None:
                 self._begin(length_of_pixel(model, self.data, fit))
             yield FittedLens(
-                candidate, model, fit, self.setting, self._start, request.draws, self._judged
+                candidate, model, fit, self.setting, self._start, self.request.draws, self._judged
             )
 
     def _judged(self, found: JudgedLens) -> None:

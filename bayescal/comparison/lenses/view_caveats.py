@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import Evidenced
+from bayescal.comparison.weak import PART
 from bayescal.rounding import counted, significant
 
 USUAL_SIGMA = (0.05, 0.3)  # px: of corner detectors
@@ -19,6 +20,11 @@ SIGNIFICANT, NOTICEABLE = 4.0, 0.05  # standard errors; px
 PARALLEL = 8.0  # degrees that normals of planes should differ by at least
 WIDER = 1.5  # times: where the spread over views is to be quoted
 DRIFT = 2.5
+OPEN = 0.1  # of the prior's deviation: a posterior so wide along some combination is said
+WORDS = {  # coordinates of the intrinsics
+    "f": "focal length", "fx": "focal length", "fy": "aspect ratio",
+    "cx": "principal point", "cy": "principal point",
+}  # fmt: skip
 COVERED = 0.85  # of the radius of the image's corners
 
 
@@ -42,6 +48,25 @@ def parallel(basis: Evidenced) -> str | None:
     return (
         f"the target is nearly parallel in all views (within {angle:.1f} degrees): focal length "
         "and distance can't be told apart; tilt it"
+    )
+
+
+def undetermined(basis: Evidenced) -> str | None:
+    """Find what the views leave nearly as open as the prior, by the posterior's eigenvectors."""
+    model = basis.problem.model
+    _, sd = model.plain_prior
+    inner = basis.drawn.covariance[: len(sd), : len(sd)] / np.outer(sd, sd)
+    values, vectors = np.linalg.eigh(inner)
+    wide = math.sqrt(values[-1])
+    if wide < OPEN:
+        return None
+    shares = np.abs(vectors[:, -1])
+    names = [model.names[j] for j in np.argsort(-shares) if shares[j] >= PART]
+    said = list(dict.fromkeys(WORDS.get(name, name) for name in names))
+    what = f"what the {said[0]} is" if len(said) == 1 else f"{' and '.join(said)} apart"
+    return (
+        f"these views hardly tell {what}: there the posterior is {100 * wide:.0f} % as wide as the "
+        "prior; add views from other sides and distances"
     )
 
 

@@ -19,7 +19,7 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
     command : str
         How it was asked for, for the provenance.
     """
-    views, verdict = found.views, found.verdict
+    views, verdict, levels = found.views, found.verdict, found.setting.data.levels
     return {
         "schema": SCHEMA,
         "provenance": found.origin or provenance(command, found.settings),
@@ -42,6 +42,7 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
         "noise": {
             "kind": "gaussian",
             "sigma_px": found.setting.level.sigma,
+            "view_levels": None if levels is None else levels.tolist(),
             "independent": not (found.setting.grid.correlated or found.setting.grid.offsets),
             "error_models": [
                 {**asdict(error), "length_target_units": error.length * views.diagonal, "weight": w}

@@ -11,7 +11,8 @@ from bayescal.calibration.judge import Setting
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.sampled import SampledLens
 from bayescal.comparison.lenses.analysis import concluded, level_of
-from bayescal.comparison.lenses.results import Drawn, LensComparison, LensRequest
+from bayescal.comparison.lenses.request import LensRequest
+from bayescal.comparison.lenses.results import Drawn, LensComparison
 from bayescal.comparison.lenses.sweep import image_size
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
@@ -102,13 +103,15 @@ class LensesKind(RunKind[LensComparison]):
     def reopen(self, run: RunFiles, settings: Settings) -> LensComparison:
         """Conclude again from what was judged and drawn."""
         asked = run.document["settings"]
-        request = LensRequest(**{name: asked[name] for name in ASKED})
+        request = LensRequest(**{name: asked[name] for name in ASKED & set(asked)})
         if request.lenses is not None:
             request = dataclasses.replace(request, lenses=tuple(request.lenses))
         seen = run.views()
         try:
             kept = KeptLenses(run.content(LENSES))
             data = Observations.from_views(seen, image_size(seen))
+            if kept.levels is not None:
+                data = data.with_levels(kept.levels)
             level = level_of(settings)
             setting = Setting.of(data, level, kept.unit, independent=request.independent)
             lenses = kept.lenses(setting, request)

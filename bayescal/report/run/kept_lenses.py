@@ -16,7 +16,8 @@ from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.lenses.candidates import named_candidates
 from bayescal.comparison.lenses.fitted import judged_lens
-from bayescal.comparison.lenses.results import JudgedLens, LensComparison, LensRequest
+from bayescal.comparison.lenses.request import LensRequest
+from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.inference.estimate import EvidenceEstimate
 
 
@@ -24,6 +25,8 @@ def lenses_bytes(found: LensComparison) -> bytes:
     """Encode fits, evidences, views left out, and what is drawn of the best lens."""
     drawn = found.drawn
     arrays = {"draws": drawn.draws, "covariance": drawn.covariance}
+    if found.setting.data.levels is not None:
+        arrays["levels"] = found.setting.data.levels
     arrays |= {f"half.{i}": half for i, half in enumerate(drawn.halves)}
     head = {
         "unit": found.setting.unit,
@@ -74,6 +77,11 @@ class KeptLenses:
     def names(self, what: str) -> tuple[str, ...]:
         """Lenses that were impossible, or failures."""
         return tuple(self.head[what])
+
+    @property
+    def levels(self) -> Array | None:
+        """Noise of each view over the usual; None where all are alike."""
+        return self._arrays.get("levels")
 
     @property
     def draws(self) -> Array:

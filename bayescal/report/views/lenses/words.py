@@ -37,6 +37,10 @@ def assumed(found: LensComparison) -> list[tuple[str, str]]:
     if level is None:
         what = "a factor on the stated deviations" if factor else "one sigma"
         noise = f"gaussian, {what} inferred, ln sigma uniform on 0.01 to 10 px"
+        levels = found.setting.data.levels
+        if levels is not None:
+            low, high = (significant(float(v)) for v in (levels.min(), levels.max()))
+            noise += f"; views of their own levels, {low} to {high} times it, from residuals"
     else:
         noise = f"gaussian, sigma {level:g}{' times those stated' if factor else ' px'}"
     if found.setting.grid.correlated or found.setting.grid.offsets:
