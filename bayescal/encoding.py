@@ -103,8 +103,7 @@ class Encoded:
     def _made(self, found: Any, kind: Any) -> Any:
         origin, inner = get_origin(kind), get_args(kind)
         if origin in (Union, UnionType):
-            (only,) = (one for one in inner if one is not type(None))
-            return None if found is None else self._made(found, only)
+            return self._one_of(found, inner)
         if kind == Array:
             return self._array(found["at"], tuple(found["shape"]))
         if origin is tuple:
@@ -119,6 +118,17 @@ class Encoded:
         if type(found) is not kind:
             raise TypeError(f"{found!r} where a {kind.__name__} belongs")
         return found
+
+    def _one_of(self, found: Any, kinds: tuple[Any, ...]) -> Any:
+        if found is None and type(None) in kinds:
+            return None
+        *others, last = (kind for kind in kinds if kind is not type(None))
+        for kind in others:
+            try:
+                return self._made(found, kind)
+            except (KeyError, TypeError, AttributeError):
+                continue
+        return self._made(found, last)
 
     def _tuple(self, found: list[Any], inner: tuple[Any, ...]) -> tuple[Any, ...]:
         kinds = inner[:1] * len(found) if inner[1:] == (...,) else inner

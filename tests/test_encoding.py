@@ -59,6 +59,19 @@ def test_values_come_back_to_the_last_bit() -> None:
         found.inner.numbers[0, 0] = 1.0
 
 
+@pytest.mark.parametrize("value", [3, "x", 1.5, None])
+def test_a_union_of_several_types_comes_back(value: object) -> None:
+    kind = int | tuple[int, ...] | float | str | None
+    assert (found := again(value, kind)) == value
+    assert type(found) is type(value)
+    with pytest.raises(ValueError, match="belongs"):
+        again(True, kind)
+
+
+def test_a_union_with_a_dataclass_comes_back() -> None:
+    assert again(VALUE.inner, int | Inner).names == VALUE.inner.names
+
+
 def test_the_same_values_give_the_same_bytes() -> None:
     assert encoded({"value": VALUE}) == encoded({"value": again(VALUE, Outer)})
 
