@@ -89,8 +89,8 @@ def _answered(given: list[str]) -> int:
     except ImportError as error:
         _say(f"{error}: a library can't be loaded; free memory, or install bayescal anew")
         return BAD_INPUT
-    except KeyboardInterrupt:
-        _say("interrupted; nothing was written")
+    except KeyboardInterrupt as stop:
+        _say(str(stop) or "interrupted; nothing was written")
         return 130
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Unpack
 
-from bayescal.api.given import Given, GivenSetup, reduced
+from bayescal.api.given import Given, GivenSetup, reduced, resumed
 from bayescal.api.options import Options, spelled_out
 from bayescal.comparison.analysis import Progress, analyse_points
 from bayescal.comparison.results import Comparison
@@ -23,6 +24,7 @@ def compare(
     defend: bool = False,
     hint: bool = True,
     setup: GivenSetup = None,
+    resume: str | Path | None = None,
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> Comparison:
@@ -43,6 +45,9 @@ def compare(
         Look whether another family or a free camera position is decisively better.
     setup : Setup or str or Path, optional
         What is known of the camera, where the points don't know it.
+    resume : str or Path, optional
+        Folder that keeps what was sampled without a closed form as soon as it is: called again
+        with the same arguments after an interruption, it goes on from there.
     progress : callable, optional
         Called with axis and order before each model is sampled, and with what is done and 0
         before what is no order's.
@@ -62,7 +67,8 @@ def compare(
     settings = Settings(**options, defend=defend)
     by_axis = dict.fromkeys(axis_names(axis), wanted)
     points, whole = reduced(points, setup, by_axis, settings)
-    result = analyse_points(points, by_axis, settings, progress, whole=whole)
+    store = resumed(resume, points, settings, by_axis)
+    result = analyse_points(points, by_axis, settings, progress, store, whole)
     if not hint:
         return result
     if progress is not None:

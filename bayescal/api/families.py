@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Unpack
 
-from bayescal.api.given import Given, GivenSetup, points_of
+from bayescal.api.given import Given, GivenSetup, points_of, resumed
 from bayescal.api.options import Options, spelled_out
 from bayescal.cameras.pinhole import Radial
 from bayescal.comparison.analysis import Progress
@@ -27,6 +28,7 @@ def compare_families(
     radial_orders: Iterable[int] = RADIAL_ORDERS,
     defend: bool = False,
     setup: GivenSetup = None,
+    resume: str | Path | None = None,
     progress: Progress | None = None,
     **options: Unpack[Options],
 ) -> FamilyComparison:
@@ -50,6 +52,9 @@ def compare_families(
         Also say which points and groups the choice rests on.
     setup : Setup or str or Path, optional
         What is known of the camera, where the points don't know it.
+    resume : str or Path, optional
+        Folder that keeps what was sampled without a closed form as soon as it is: called again
+        with the same arguments after an interruption, it goes on from there.
     progress : callable, optional
         Called with the family and its position before its models are fitted.
     **options : Options
@@ -67,7 +72,9 @@ def compare_families(
     """
     settings = Settings(**options, defend=defend)
     request = family_request(families, orders, position, radial, radial_orders)
-    return compare_joint(points_of(points, setup), request, settings, progress)
+    points = points_of(points, setup)
+    store = resumed(resume, points, settings, request)
+    return compare_joint(points, request, settings, progress, store)
 
 
 def family_request(

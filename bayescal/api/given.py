@@ -9,6 +9,7 @@ from typing import Any, TypeAlias
 
 from bayescal.comparison.many import can_reduce, reduce_points
 from bayescal.comparison.settings import Settings
+from bayescal.comparison.store import Store
 from bayescal.points.chunks.many import ManyPoints, many_points
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import camera_of, load
@@ -66,3 +67,14 @@ def points_of(given: Given, setup: GivenSetup = None) -> Correspondences:
     if setup is None:
         return given
     return dataclasses.replace(given, setup=camera_of(setup))
+
+
+def resumed(
+    folder: str | Path | None, points: Correspondences, settings: Settings, request: object
+) -> Store | None:
+    """Give the store of an analysis that goes on after an interruption; None without a folder."""
+    if folder is None:
+        return None
+    from bayescal.report.run.unfinished import Unfinished
+
+    return Unfinished(Path(folder), points, settings, request)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from pathlib import Path
 
-from bayescal.api.given import Given, GivenSetup, points_of
+from bayescal.api.given import Given, GivenSetup, points_of, resumed
 from bayescal.comparison.outliers.analysis import find_outliers
 from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import OutlierStudy
@@ -31,6 +32,7 @@ def outliers(
     seed: int = 0,
     ess: int = DEFAULT_ESS,
     setup: GivenSetup = None,
+    resume: str | Path | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> OutlierStudy:
     """Find bad points, and whether the choice of the order depends on them.
@@ -55,6 +57,9 @@ def outliers(
         Effective samples wanted of every parameter.
     setup : Setup or str or Path, optional
         What is known of the camera, where the points don't know it.
+    resume : str or Path, optional
+        Folder that keeps what was sampled without a closed form as soon as it is: called again
+        with the same arguments after an interruption, it goes on from there.
     progress : callable, optional
         Called with the axis before each noise model is sampled.
 
@@ -74,9 +79,9 @@ def outliers(
     if prior == "flat":
         raise InputError("outliers compares evidences, which a flat prior does not have")
     tell = progress if progress is not None else _silent
-    return find_outliers(
-        points_of(points, setup), axis_names(axis), wanted, settings, noises, rule, tell
-    )
+    points, axes = points_of(points, setup), axis_names(axis)
+    store = resumed(resume, points, settings, (axes, wanted, noises))
+    return find_outliers(points, axes, wanted, settings, noises, rule, tell, store)
 
 
 def _silent(_: str) -> None:

@@ -9,6 +9,7 @@ from bayescal.commands import options as shared
 from bayescal.commands.families import add_families, families_of
 from bayescal.commands.many import many_or_few
 from bayescal.commands.output import add_output, check_output, deliver
+from bayescal.commands.resume import resumable
 from bayescal.errors import InputError
 
 DESCRIPTION = "Compare polynomial orders of r(x/z) and c(y/z), each sampled with emcee."
@@ -43,17 +44,22 @@ def run(options: argparse.Namespace) -> int:
     check_output(options)
     axes, hint = shared.axes_of(options), not options.no_families
     models, heavy = len(shared.orders_of(options)) * axes, axes * options.defend + hint
-    with many_or_few(options) as points, shared.Progress(options, models, heavy=heavy) as progress:
-        from bayescal.api.axes import compare
+    with resumable(options) as resume:
+        with (
+            many_or_few(options) as points,
+            shared.Progress(options, models, heavy=heavy) as progress,
+        ):
+            from bayescal.api.axes import compare
 
-        result = compare(
-            points,
-            defend=options.defend,
-            hint=hint,
-            progress=progress,
-            **shared.settings(options),
-        )
-    return deliver(options, result)
+            result = compare(
+                points,
+                defend=options.defend,
+                hint=hint,
+                resume=resume,
+                progress=progress,
+                **shared.settings(options),
+            )
+        return deliver(options, result)
 
 
 def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
@@ -65,10 +71,10 @@ def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     kinds = len(asked["families"]) * len(asked["position"] or ("stated",))
-    with shared.Progress(options, 0, heavy=kinds) as progress:
-        from bayescal.api.families import compare_families
+    how = {"defend": options.defend, **asked, **given}
+    with resumable(options) as resume:
+        with shared.Progress(options, 0, heavy=kinds) as progress:
+            from bayescal.api.families import compare_families
 
-        result = compare_families(
-            points, progress=progress, defend=options.defend, **asked, **given
-        )
-    return deliver(options, result)
+            result = compare_families(points, progress=progress, resume=resume, **how)
+        return deliver(options, result)

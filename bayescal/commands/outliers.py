@@ -6,6 +6,7 @@ import argparse
 
 from bayescal.commands import options as shared
 from bayescal.commands.output import add_output, check_output, deliver
+from bayescal.commands.resume import resumable
 
 DESCRIPTION = (
     "Measure every point on each axis (residual, leverage, Cook's distance, chi-squared rejection, "
@@ -38,11 +39,13 @@ def run(options: argparse.Namespace) -> int:
 
     points = shared.points(options)
     models = 2 * shared.axes_of(options)
-    with shared.Progress(options, models) as progress:
-        study = outliers(
-            points,
-            significance=options.significance,
-            progress=progress.named,
-            **shared.settings(options),
-        )
-    return deliver(options, study, full=options.all)
+    with resumable(options) as resume:
+        with shared.Progress(options, models) as progress:
+            study = outliers(
+                points,
+                significance=options.significance,
+                resume=resume,
+                progress=progress.named,
+                **shared.settings(options),
+            )
+        return deliver(options, study, full=options.all)

@@ -54,7 +54,10 @@ class Store:
         A run need not have kept a model that stands `beside` those compared.
         """
         if key not in self._kept:
-            self._kept[key] = self.read(key, model, beside=beside) or compute()
+            found = self.read(key, model, beside=beside)
+            if found is None:
+                self.made(key, found := compute())
+            self._kept[key] = found
         return cast("Draws", self._kept[key])
 
     def read(
@@ -66,6 +69,9 @@ class Store:
     ) -> Kept | None:
         """Posterior that was kept of a model; None where it is to be computed."""
         return None
+
+    def made(self, key: Key, found: Kept) -> None:
+        """Take note of a posterior that was computed."""
 
     def once(self, name: str, kind: Any, compute: Callable[[], Made]) -> Made:
         """Give what takes long and follows from the points alone: that of a run, else computed.
@@ -79,7 +85,10 @@ class Store:
         """
         if name not in self.derived:
             known = self.known(name, kind)
-            self.derived[name] = compute() if known is None else known[0]
+            if known is None:
+                self.noted(name, value := compute())
+                known = (value,)
+            self.derived[name] = known[0]
         return cast("Made", self.derived[name])
 
     def once_of(self, key: Key) -> Once:
@@ -89,6 +98,9 @@ class Store:
     def known(self, name: str, kind: Any) -> tuple[Any] | None:  # noqa: ARG002
         """Value that was kept under a name, alone in a tuple; None where it is to be computed."""
         return None
+
+    def noted(self, name: str, value: Any) -> None:
+        """Take note of a value that was computed."""
 
     def leave_one_out(
         self, key: Key, compute: Callable[[], LeaveOneOut | None], how: str = ""

@@ -146,7 +146,13 @@ class Draws:
 
 
 def write_netcdf(path: Path, draws: Draws) -> None:
-    """Write draws as NetCDF with ArviZ's groups; the same draws give the same bytes."""
+    """Write draws as NetCDF with ArviZ's groups."""
+    # Made in memory first: HDF5 does not survive a disk that fills up under it.
+    path.write_bytes(netcdf_bytes(draws))
+
+
+def netcdf_bytes(draws: Draws) -> bytes:
+    """Encode draws as NetCDF with ArviZ's groups; the same draws give the same bytes."""
     import arviz_base
 
     observed = draws.groups.get("observed_data", {})
@@ -157,8 +163,7 @@ def write_netcdf(path: Path, draws: Draws) -> None:
         tree[name].attrs = {}  # ArviZ writes the time here
     tree["posterior"].attrs = dict(draws.described)
     tree.attrs = {VALUES: json.dumps(draws.values)}
-    # Made in memory first: HDF5 does not survive a disk that fills up under it.
-    path.write_bytes(tree.to_netcdf(engine="h5netcdf"))
+    return bytes(tree.to_netcdf(engine="h5netcdf"))
 
 
 def parse_netcdf(raw: bytes) -> Draws:

@@ -11,6 +11,8 @@
 ``derived.npz``         what else took long (bayescal.encoding), for `open_run` alone
 ``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
 ``corner-*.png``      pictures, for people only
+
+Beside it, while it is made, ``RUN.unfinished`` (`bayescal.report.run.unfinished`).
 """
 
 from __future__ import annotations

@@ -1,0 +1,108 @@
+"""An interrupted command goes on where it stopped.
+
+Truth: the same command, not interrupted.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import bayescal as bc
+from tests.helpers.command import environment, here
+
+ASKED = (
+    *("compare", "--noise", "student-t", "--nu", "4", "--tau", "0.05"),
+    *("--axis", "c", "--orders", "1-2", "--ess", "100"),
+)
+
+
+def document(run: Path) -> dict[str, Any]:
+    """The result of a run, without what names it."""
+    found: dict[str, Any] = json.loads((run / "result.json").read_text())
+    del found["provenance"]
+    return found
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    run = tmp_path_factory.mktemp("whole") / "run"
+    assert here(*ASKED, "--quiet", "--out", run).code == 0
+    assert not run.with_name("run.unfinished").exists()
+    return run
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGINT])
+def test_a_stopped_run_goes_on(how: signal.Signals, whole: Path, tmp_path: Path) -> None:
+    run, kept = tmp_path / "run", tmp_path / "run.unfinished"
+    command = [sys.executable, "-m", "bayescal", *ASKED, "--quiet", "--out", str(run)]
+    with subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE, text=True) as process:
+        while not list(kept.glob("*.nc")) and process.poll() is None:
+            time.sleep(0.01)
+        process.send_signal(how)
+        said = process.communicate()[1]
+    assert process.returncode == (130 if how == signal.SIGINT else -signal.SIGKILL)
+    if how == signal.SIGINT:
+        assert "sampled model" in said
+        assert "run the same command again to go on" in said
+    assert not run.exists()
+    finished = {path: path.stat().st_mtime_ns for path in kept.glob("*.nc")}
+    assert len(finished) in (1, 2)  # the last may be done before the signal comes
+    taken = []
+    original = Path.read_bytes
+
+    def watched(self: Path) -> bytes:
+        taken.append(self)
+        return original(self)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Path, "read_bytes", watched)
+        done = here(*ASKED, "--quiet", "--out", run)
+    assert done.code == 0
+    assert "holds models of an interrupted run" in done.err
+    assert set(finished) <= set(taken)
+    assert document(run) == document(whole)
+    for draws in (whole / "draws").iterdir():
+        assert (run / "draws" / draws.name).read_bytes() == draws.read_bytes()
+    assert not kept.exists()
+
+
+def test_another_request_takes_nothing(tmp_path: Path) -> None:
+    asked: dict[str, Any] = {
+        "orders": [1], "axis": "c", "noise": "student-t", "ess": 100, "hint": False,
+    }  # fmt: skip
+    first = bc.compare(bc.thesis(), resume=tmp_path / "kept", seed=1, **asked)
+    (kept,) = (tmp_path / "kept").glob("*.nc")
+    before = kept.stat().st_mtime_ns
+    again = bc.compare(bc.thesis(), resume=tmp_path / "kept", seed=1, **asked)
+    assert again["c"][1].log_evidence == first["c"][1].log_evidence
+    assert kept.stat().st_mtime_ns == before
+    other = bc.compare(bc.thesis(), resume=tmp_path / "kept", seed=2, **asked)
+    assert other["c"][1].log_evidence != first["c"][1].log_evidence
+    assert kept.stat().st_mtime_ns != before
+
+
+def test_families_and_bad_points_are_kept_too(tmp_path: Path) -> None:
+    asked = ("--ess", "100", "--quiet", "--out")
+    for command in (
+        ("compare", "--family", "pinhole", "--radial-orders", "0"),
+        ("outliers", "--orders", "1", "--axis", "c"),
+    ):
+        run = tmp_path / command[0]
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("bayescal.commands.resume.Path.with_name", _elsewhere(tmp_path))
+            patch.setattr("bayescal.report.run.unfinished.clear", lambda _: None)
+            assert here(*command, *asked, run).code == 0
+        assert list((tmp_path / "kept" / run.name).glob("*.nc")), command
+
+
+def _elsewhere(folder: Path) -> Any:
+    """A place for what is kept that is not removed."""
+    return lambda self, _: folder / "kept" / self.name
