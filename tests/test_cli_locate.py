@@ -89,3 +89,18 @@ def test_what_cannot_be_located(run, pixels):
         assert done.code == 2
         assert said in done.err, done.err
         assert done.err.count("\n") == 1
+
+
+def test_pixels_of_another_camera(run, tmp_path):
+    (tmp_path / "far.csv").write_text("r,c\n3000,500\n-40,300\n")
+    done = here("locate", run, tmp_path / "far.csv", "--depth", "300")
+    assert done.code == 0
+    assert "outside, no solution" in done.out
+    assert "All pixels lie outside the image: are they of another camera?" in done.out
+
+
+def test_a_stated_depth_is_exact(run, pixels):
+    done = here("locate", run, pixels, "--depth", "300")
+    row = next(line for line in done.out.splitlines() if line.split()[:1] == ["1"])
+    assert row.split()[3] == "300.000"
+    assert row.split()[-1] == "0"

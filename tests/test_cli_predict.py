@@ -115,3 +115,15 @@ def test_options_that_cannot_be(run, points, tmp_path):
 def test_one_model_can_be_taken(run, points):
     done = here("predict", run, points, "--model", "separable (5, 1)")
     assert "by separable (5, 1)" in done.out
+
+
+def test_points_of_another_camera_and_no_points(run, tmp_path):
+    (tmp_path / "far.csv").write_text("x,y,z\n9000,60,250\n300,60,-250\n")
+    done = here("predict", run, tmp_path / "far.csv")
+    assert done.code == 0
+    assert "No point appears in the image: are they of another camera?" in done.out
+    for text, said in (("", "is empty"), ("x,y,z\n", "holds no row"), ("x,y,z\n1,2\n", "no row")):
+        (tmp_path / "none.csv").write_text(text)
+        done = here("predict", run, tmp_path / "none.csv")
+        assert (done.code, done.err.count("\n")) == (2, 1)
+        assert said in done.err

@@ -16,6 +16,7 @@ from bayescal.prediction.target import QUANTITIES, TargetPose
 from bayescal.prediction.target import SOURCES as TARGET_SOURCES
 
 NO_SOLUTION = "nothing in the calibrated domain appears there"
+NO_MEETING = "no ray there, or it does not meet the surface in front of the camera"
 NO_DIRECTION = "no direction of the ideal camera appears there"
 NO_DISTANCE = "an end has no solution, or several"
 
@@ -68,16 +69,17 @@ def location_remarks(found: Location) -> list[str]:
     """Say of each pixel why it has no answer, or what stands against it."""
     out = []
     for i, ok in enumerate(found.found):
+        words = ["outside the image"] * bool(found.outside[i])
         if ok:
-            words = ["extrapolated"] * bool(found.extrapolated[i])
+            words += ["extrapolated"] * bool(found.extrapolated[i])
             words += ["linear propagation differs"] * bool(found.nonlinear[i])
-            out.append(", ".join(words))
         elif found.count[i] > 1:
-            out.append(f"{found.count[i]} points of the calibrated domain appear there")
+            words.append(f"{found.count[i]} points of the calibrated domain appear there")
         elif found.count[i] == 0:
-            out.append(NO_SOLUTION)
+            words.append(NO_SOLUTION)
         else:
-            out.append("the ray does not meet the surface in front of the camera")
+            words.append(NO_MEETING)
+        out.append(", ".join(words))
     return out
 
 

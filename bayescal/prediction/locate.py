@@ -99,6 +99,8 @@ class Location:
         Share of the draws that have a solution, ``(n,)``.
     extrapolated : ndarray of bool
         Which solutions lie beyond the calibrated domain or hull, ``(n,)``.
+    outside : ndarray of bool
+        Which pixels lie outside the image, ``(n,)``.
     surface : Surface or None
     probability : float
     """
@@ -113,6 +115,7 @@ class Location:
     count: IntArray
     share: Array
     extrapolated: BoolArray
+    outside: BoolArray
     surface: Surface | None
     probability: float = PROBABILITY
 
@@ -187,9 +190,9 @@ def _located(
     for array in (mean, sd, lower, upper, linear, *parts.values()):
         array[~usable] = np.nan
     turn = np.sqrt((sd**2).sum(axis=1) / 2) if surface is None else np.full(len(sd), np.nan)
-    beyond = usable & ~solved.inside
+    beyond, outside = usable & ~solved.inside, camera.outside(camera.recorded(pixels))
     return Location(
-        mean, sd, linear, parts, lower, upper, turn, solved.count, share, beyond, surface
+        mean, sd, linear, parts, lower, upper, turn, solved.count, share, beyond, outside, surface
     )
 
 
@@ -210,6 +213,7 @@ def _joined(parts: list[Location], surface: Surface | None) -> Location:
         np.concatenate([part.count for part in parts]),
         all_of("share"),
         np.concatenate([part.extrapolated for part in parts]),
+        np.concatenate([part.outside for part in parts]),
         surface,
     )
 

@@ -7,7 +7,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.columns import NO_DISTANCE, NO_SOLUTION, location_remarks
+from bayescal.prediction.columns import NO_DISTANCE, NO_MEETING, NO_SOLUTION, location_remarks
 from bayescal.prediction.locate import SOURCES, Location, Surface
 from bayescal.prediction.members import BoolArray
 from bayescal.prediction.pairs import Distances
@@ -15,6 +15,9 @@ from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, Column, Table
 from bayescal.report.views.prediction import SHOWN, clipped, models_words
 from bayescal.rounding import counted, rounded, significant
+
+SHORT = {NO_SOLUTION: "no solution", NO_MEETING: "no meeting"}
+EXACT = 1e-12  # relative
 
 
 def location_view(camera: CalibratedCamera, table: PartialTable, found: Location) -> Blocks:
@@ -28,14 +31,14 @@ def location_view(camera: CalibratedCamera, table: PartialTable, found: Location
         *(() if flat else (Column("mrad"),)),
         Column(""),
     )
-    short = {NO_SOLUTION: "no solution"}
-    remarks, rows = [short.get(text, text) for text in location_remarks(found)], []
+    remarks, rows = [_short(text) for text in location_remarks(found)], []
     for i in range(min(len(found), SHOWN)):
         label = Cell(clipped(table.labels[i]))
         if not found.found[i]:
             rows.append((label, *[Cell("")] * (len(columns) - 2), Cell(remarks[i])))
             continue
-        sd = found.sd[i]
+        # What is known exactly, as a stated z is, has the rounding of its sum alone.
+        sd = np.where(found.sd[i] > EXACT * np.abs(found.values[i]), found.sd[i], 0.0)
         angle = () if flat else (Cell(significant(1000 * found.angle[i])),)
         rows.append(
             (
@@ -51,6 +54,13 @@ def location_view(camera: CalibratedCamera, table: PartialTable, found: Location
         Listing((f"{counted(len(found), 'pixel')} {what}, {models_words(camera)}",), "about"),
         Tabled("locations", "Locations.", Table(columns, tuple(rows)), tuple(_lines(found))),
     )
+
+
+def _short(remark: str) -> str:
+    """Shorten a remark to fit a table."""
+    for words, short in SHORT.items():
+        remark = remark.replace(words, short)
+    return remark.replace(" the image", "")
 
 
 def surface_words(surface: Surface | None, *, posed: bool) -> str:
@@ -75,8 +85,13 @@ def _lines(found: Location) -> list[str]:
     usable = found.found
     if found.surface is None:
         lines.append("mrad: sd of the direction about each of two axes.")
-    if NO_SOLUTION in location_remarks(found):
-        lines.append(f"no solution: {NO_SOLUTION}.")
+    lines += [
+        f"{short}: {words}."
+        for words, short in SHORT.items()
+        if any(words in text for text in location_remarks(found))
+    ]
+    if found.outside.all():
+        lines.append("All pixels lie outside the image: are they of another camera?")
     if usable.any():
         lines.append(f"Of the variance: {_shares(found.parts, usable)}.")
         apart = int((found.nonlinear & usable).sum())

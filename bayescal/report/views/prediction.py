@@ -94,6 +94,8 @@ def _lines(camera: CalibratedCamera, found: Prediction) -> list[str]:
         (found.extrapolated, "beyond where points were calibrated with (extrapolated)"),
     )
     lines += [f"{counted(int(f.sum()), 'point')} {what}." for f, what in flags if f.any()]
+    if len(found) and not (seen & ~found.outside).any():
+        lines.append("No point appears in the image: are they of another camera?")
     return [*lines, *found.notes]
 
 
