@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import t as student
 
 import bayescal as bc
 from bayescal.comparison.adequacy.neighbours import NEAREST, neighbours
@@ -18,7 +19,8 @@ from bayescal.comparison.families.residuals import residual_tests
 from bayescal.comparison.families.results import FamilyRequest
 from bayescal.comparison.settings import Settings
 from bayescal.noise.level import NoiseLevel
-from tests.helpers.cameras import turned_points
+from bayescal.points.groups import groups_of
+from tests.helpers.cameras import TURNED, pixels, turned_points
 from tests.helpers.problems import make_axis
 
 
@@ -120,6 +122,28 @@ def test_spread_over_groups_is_the_jackknife_of_refits():
         out |= {f"{name}_{j}": value for j, value in enumerate(sd.tolist())}
     assert found.grouped.count == 9
     assert found.grouped.sd == pytest.approx(out, rel=1e-8)
+
+
+def test_intervals_by_groups_cover_where_planes_share_errors():
+    """Six planes, each off in z by 0.5 units: 95 % intervals of the focal length, 40 cameras."""
+    x, y, z = np.meshgrid(np.arange(10.0, 210, 40), np.arange(10.0, 250, 60), np.arange(6) * 40.0)
+    world = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
+    setup, settings, covered = turned_points(0.06).setup, Settings(defend=False), []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        true = world + [0, 0, 1] * rng.normal(0, 0.5, 6)[(world[:, 2] / 40).astype(int), None]
+        seen = pixels(true, **TURNED) + rng.normal(0, 0.06, (len(world), 2))
+        points = bc.Correspondences.from_arrays(world, seen, setup=setup)
+        data = noise_levels(points, settings, 1).data
+        model = gaussian_pinhole(points, 1, "free", "even", data, settings)
+        found = of_pinhole(model)
+        spread = found.spread_over(groups_of(points).members)
+        plain = np.sqrt(found.reported[0] @ model.fit.covariance @ found.reported[0])
+        off = abs(np.exp(model.fit.free[0]) - TURNED["focal"][0])
+        covered.append([off < 1.96 * plain, off < student.ppf(0.975, 5) * spread[0]])
+    without, by_group = np.mean(covered, axis=0)
+    assert without < 0.9
+    assert abs(by_group - 0.95) < 3 * np.sqrt(0.95 * 0.05 / 40)
 
 
 def test_a_model_alone_is_not_called_decided():
