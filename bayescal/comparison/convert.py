@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any, TypeAlias
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -15,10 +18,15 @@ from bayescal.inference.arviz_bridge import arviz_object
 if TYPE_CHECKING:  # pandas is imported where somebody asks for it
     import pandas as pd
 
+    from bayescal.inference.posterior import Posterior
+    from bayescal.polynomials.axis_data import AxisData
+
 # An OrderResult, whose methods call what follows.
 OrderResult: TypeAlias = Any
 # Log densities of one order that are held at once.
 LARGEST = 50_000_000
+# And that a run keeps of a model: 16 MB.
+LARGEST_KEPT = 2_000_000
 
 
 def orders_frame(orders: Iterable[tuple[str, OrderResult]]) -> pd.DataFrame:
@@ -47,70 +55,241 @@ def orders_frame(orders: Iterable[tuple[str, OrderResult]]) -> pd.DataFrame:
     return pd.DataFrame(rows).set_index(["axis", "order"]).infer_objects()
 
 
-def parameters_frame(found: OrderResult) -> pd.DataFrame:
-    """Make a data frame with a row per parameter: of the draws, and of the closed form."""
+class Held(NamedTuple):
+    """What a result holds that other libraries can take.
+
+    Attributes
+    ----------
+    draws : Array or None
+        Of the reported parameters, ``(n_chains, n_draws, n_parameters)``; None where a closed
+        form leaves nothing to draw.
+    names : tuple of str
+        Of the parameters.
+    density : callable or None
+        Gives the log density of each observation at each draw, ``(n_chains, n_draws, n_points)``.
+    observed : dict of str to Array
+        Data, ``(n_points,)``, px.
+    """
+
+    draws: Array | None
+    names: tuple[str, ...]
+    density: Callable[[], Array] | None
+    observed: dict[str, Array]
+
+
+class Converts(ABC):
+    """A model that hands its posterior to other libraries."""
+
+    @abstractmethod
+    def held(self) -> Held:
+        """Give draws, densities and data, as far as there are any."""
+
+    @property
+    @abstractmethod
+    def _parameters(self) -> Sequence[Any]:
+        """Summaries of the parameters."""
+
+    def summary(self) -> pd.DataFrame:
+        """Parameters in a data frame: mean, sd, 95 % interval, diagnostics, closed form."""
+        import pandas as pd
+
+        rows = [{"parameter": p.name, **_numbers(p)} for p in self._parameters]
+        return pd.DataFrame(rows).set_index("parameter")
+
+    def covariance(self) -> pd.DataFrame:
+        """Posterior covariance of the reported parameters, of the draws, in a data frame.
+
+        Raises
+        ------
+        InputError
+            Where there are no draws.
+        """
+        import pandas as pd
+
+        draws, names = _drawn(self.held()), list(self.held().names)
+        flat = draws.reshape(-1, draws.shape[2])
+        return pd.DataFrame(np.atleast_2d(np.cov(flat.T)), index=names, columns=names)
+
+    def to_arviz(self) -> Any:
+        """Draws, pointwise log likelihood and data for ArviZ: ``az.loo``, ``az.compare``.
+
+        Returns
+        -------
+        xarray.DataTree
+            With the groups ``posterior``, ``log_likelihood`` and ``observed_data``;
+            ``arviz.InferenceData`` where an ArviZ before 1.0 is installed.
+
+        Raises
+        ------
+        InputError
+            Where there are no draws, or their log likelihoods would not fit into memory.
+        """
+        held = self.held()
+        draws = _drawn(held)
+        count, points = draws.shape[0] * draws.shape[1], _points(held)
+        if count * points > LARGEST:
+            raise InputError(
+                f"the log likelihood of {count} draws at {points} points "
+                "is too large to hold; compare with a smaller ess"
+            )
+        groups = {"posterior": {name: draws[:, :, j] for j, name in enumerate(held.names)}}
+        return arviz_object(groups | pointwise_groups(held))
+
+
+def pointwise_groups(held: Held) -> dict[str, dict[str, Array]]:
+    """Log likelihood and data as ArviZ's groups; a point's readings have one density together."""
+    if held.density is None:
+        return {}
+    name = next(iter(held.observed)) if len(held.observed) == 1 else "pixels"
+    return {"log_likelihood": {name: held.density()}, "observed_data": held.observed}
+
+
+def kept_groups(held: Held) -> dict[str, dict[str, Array]]:
+    """Give the same for a run, without log likelihoods that would be most of it."""
+    groups = pointwise_groups(held) if _numbers_of(held) <= LARGEST_KEPT else {}
+    return groups or {"observed_data": held.observed}
+
+
+def _numbers_of(held: Held) -> int:
+    return 0 if held.draws is None else held.draws[:, :, 0].size * _points(held)
+
+
+def _points(held: Held) -> int:
+    return len(next(iter(held.observed.values()), ()))
+
+
+def _drawn(held: Held) -> Array:
+    if held.draws is None:
+        raise InputError("has a closed form and no draws; compare under a free position or noise")
+    return held.draws
+
+
+class Moments(NamedTuple):
+    """What draws or a closed form say of a parameter, without diagnostics."""
+
+    name: str
+    mean: float
+    sd: float
+    interval: tuple[float, float]
+
+
+def moments(names: Sequence[str], draws: Array) -> list[Moments]:
+    """Summarise draws ``(n_draws, n_parameters)``: mean, sd and central 95 % interval."""
+    lower, upper = np.quantile(draws, [0.025, 0.975], axis=0).tolist()
+    means, sds = draws.mean(axis=0).tolist(), draws.std(axis=0, ddof=1).tolist()
+    ends = zip(lower, upper, strict=True)
+    return [Moments(*row) for row in zip(names, means, sds, ends, strict=True)]
+
+
+def models_frame(models: Iterable[Any]) -> pd.DataFrame:
+    """Make a data frame with a row per joint model; what can't be had is NaN."""
     import pandas as pd
 
     rows = [
         {
-            "parameter": p.name,
-            "mean": p.mean,
-            "sd": p.sd,
-            "lower": p.interval[0],
-            "upper": p.interval[1],
-            "mcse_mean": p.mcse_mean,
-            "ess_bulk": p.ess_bulk,
-            "ess_tail": p.ess_tail,
-            "rhat": p.rhat,
-            "exact_mean": np.nan if p.exact_mean is None else p.exact_mean,
-            "exact_sd": np.nan if p.exact_sd is None else p.exact_sd,
+            "model": str(found.key),
+            "family": found.key.family,
+            "order": found.key.order,
+            "position": found.key.position,
+            "p": found.criteria.n_parameters,
+            "chi2": None if found.goodness is None else found.goodness.chi2,
+            "aic": found.criteria.aic,
+            "bic": found.criteria.bic,
+            "log_evidence": found.log_evidence,
+            "log_evidence_error": found.log_evidence_error,
+            "probability": found.probability,
+            "elpd": None if found.loo is None else found.loo.elpd,
+            "sound": found.sound,
         }
-        for p in found.posterior.parameters
+        for found in models
     ]
-    return pd.DataFrame(rows).set_index("parameter")
+    return pd.DataFrame(rows).set_index("model").infer_objects()
 
 
-def covariance_frame(found: OrderResult) -> pd.DataFrame:
-    """Make a data frame of the posterior covariance of the reported parameters, of the draws."""
+def lenses_frame(lenses: Iterable[Any]) -> pd.DataFrame:
+    """Make a data frame with a row per lens; what can't be had is NaN."""
     import pandas as pd
 
-    draws = found.posterior.chain.draws
-    names = list(found.posterior.names)
-    flat = draws.reshape(-1, draws.shape[2])
-    return pd.DataFrame(np.atleast_2d(np.cov(flat.T)), index=names, columns=names)
-
-
-def arviz_of(found: OrderResult) -> Any:
-    """Hand draws, pointwise log likelihood and data to ArviZ.
-
-    Raises
-    ------
-    InputError
-        Where the log likelihood of all draws would not fit into memory.
-    """
-    posterior, data = found.posterior, found.data
-    draws = posterior.chain.draws
-    if draws.shape[0] * draws.shape[1] * len(data) > LARGEST:
-        raise InputError(
-            f"the log likelihood of {draws.shape[0] * draws.shape[1]} draws at {len(data)} points "
-            "is too large to hold; compare with a smaller ess"
-        )
-    return arviz_object(
+    rows = [
         {
-            "posterior": {name: draws[:, :, j] for j, name in enumerate(posterior.names)},
-            "log_likelihood": {"pixel": pointwise(found)},
-            "observed_data": {"pixel": data.t},
+            "lens": found.name,
+            "rms_px": found.rms,
+            "p": found.n_parameters,
+            "chi2": found.chi2,
+            "aic": found.aic,
+            "bic": found.bic,
+            "log_evidence": found.log_evidence,
+            "log_evidence_error": found.log_evidence_error,
+            "probability": found.probability,
+            "elpd": None if found.loo is None else found.loo.elpd,
+            "difference_px": found.difference,
+            "sound": found.sound,
         }
-    )
+        for found in lenses
+    ]
+    return pd.DataFrame(rows).set_index("lens").infer_objects()
+
+
+def bad_points_frame(axes: Iterable[Any]) -> pd.DataFrame:
+    """Make a data frame with a row per axis and point, the most suspicious first."""
+    import pandas as pd
+
+    rows = [
+        {"axis": axis.data.axis, "point": p.label, **asdict(p)}
+        for axis in axes
+        for p in axis.points
+    ]
+    return pd.DataFrame(rows).drop(columns="label").set_index(["axis", "point"])
+
+
+def treatments_frame(axes: Iterable[Any]) -> pd.DataFrame:
+    """Make a data frame with a row per axis, treatment of bad points, and order."""
+    import pandas as pd
+
+    rows = [
+        {
+            "axis": axis.data.axis,
+            "treatment": treatment.name,
+            "order": judged.key.orders[0],
+            "n": treatment.n_points,
+            "log_evidence": judged.log_evidence,
+            "log_evidence_error": judged.log_evidence_error,
+            "probability": judged.probability,
+            "sound": judged.sound,
+        }
+        for axis in axes
+        for treatment in axis.treatments
+        for judged in treatment.orders
+    ]
+    return pd.DataFrame(rows).set_index(["axis", "treatment", "order"])
+
+
+def _numbers(p: Any) -> dict[str, float]:
+    """Give a summary's numbers; what can't be had is NaN."""
+    stated = {"mean": p.mean, "sd": p.sd, "lower": p.interval[0], "upper": p.interval[1]}
+    more = ("mcse_mean", "ess_bulk", "ess_tail", "rhat", "exact_mean", "exact_sd")
+    found = {name: getattr(p, name, None) for name in more}
+    return stated | {name: np.nan if value is None else value for name, value in found.items()}
 
 
 def pointwise(found: OrderResult) -> Array:
     """Log density of each pixel given each draw, ``(n_chains, n_draws, n_points)``."""
-    full = found.posterior.full
+    return order_density(found.posterior, found.data)
+
+
+def order_density(posterior: Posterior, data: AxisData) -> Array:
+    """Log density of each pixel given each draw of one order, ``(n_chains, n_draws, n_points)``."""
+    full, exact = posterior.full, posterior.exact
     flat = full.reshape(-1, full.shape[2])
-    exact = found.posterior.exact
     if exact is not None:
-        values = gaussian_density(found.data, exact)(flat)
+        values = gaussian_density(data, exact)(flat)
     else:
-        values = found.posterior.model.log_likelihood(flat)
+        model: Any = posterior.model
+        values = model.log_likelihood(flat)
     return np.asarray(values.reshape(*full.shape[:2], -1))
+
+
+def order_held(posterior: Posterior, data: AxisData) -> Held:
+    """Give what one order of an axis holds; of many points no densities: it holds a sample."""
+    density = None if data.whole is not None else partial(order_density, posterior, data)
+    return Held(posterior.chain.draws, posterior.names, density, {"pixel": data.t})

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison import convert
 from bayescal.comparison.criteria import Criteria
 from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.judged import Judged
-from bayescal.inference.posterior import Posterior
+from bayescal.inference.posterior import ParameterSummary, Posterior
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.linear.least_squares import LeastSquaresFit
 from bayescal.polynomials.axis_data import AxisData
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class OrderResult(Judged):
+class OrderResult(Judged, convert.Converts):
     """One order on one axis: what a candidate is judged by, and its likelihood.
 
     Attributes
@@ -54,24 +51,13 @@ class OrderResult(Judged):
         """The closed form; None where the noise leaves none."""
         return self.posterior.exact
 
-    def summary(self) -> pd.DataFrame:
-        """Parameters in a data frame: mean, sd, 95 % interval, diagnostics, closed form."""
-        return convert.parameters_frame(self)
+    @property
+    def _parameters(self) -> Sequence[ParameterSummary]:
+        return self.posterior.parameters
 
-    def covariance(self) -> pd.DataFrame:
-        """Posterior covariance of the parameters, in a data frame."""
-        return convert.covariance_frame(self)
-
-    def to_arviz(self) -> Any:
-        """Draws, pointwise log likelihood and data for ArviZ: ``az.loo``, ``az.compare``.
-
-        Returns
-        -------
-        xarray.DataTree
-            With the groups ``posterior``, ``log_likelihood`` and ``observed_data``;
-            ``arviz.InferenceData`` where an ArviZ before 1.0 is installed.
-        """
-        return convert.arviz_of(self)
+    def held(self) -> convert.Held:
+        """Give draws, densities and data."""
+        return convert.order_held(self.posterior, self.data)
 
     def __repr__(self) -> str:
         chance = "" if self.probability is None else f", probability {self.probability:.3f}"

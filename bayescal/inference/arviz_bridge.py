@@ -21,6 +21,8 @@ from bayescal.arrays import Array
 
 # The root attribute in which a file keeps what is no array.
 VALUES = "bayescal"
+# The group that ArviZ leaves points out by, and that nothing else reads again.
+POINTWISE = "log_likelihood"
 
 
 class PsisLoo(NamedTuple):
@@ -114,7 +116,7 @@ def arviz_object(groups: dict[str, dict[str, Array]]) -> Any:
     groups : dict of str to dict of str to Array
         As in `Draws`; ``log_likelihood`` has the dimension of ``observed_data``.
     """
-    dims = {name: ["point"] for name in groups.get("observed_data", {})}
+    dims = _pointwise_dims(groups)
     if find_spec("arviz") is not None and version("arviz").startswith("0."):
         import arviz
 
@@ -122,6 +124,12 @@ def arviz_object(groups: dict[str, dict[str, Array]]) -> Any:
     import arviz_base
 
     return arviz_base.from_dict(groups, dims=dims)
+
+
+def _pointwise_dims(groups: dict[str, dict[str, Array]]) -> dict[str, list[str]]:
+    """Name the dimension of all that has a value for each point."""
+    names = [*groups.get("observed_data", {}), *groups.get(POINTWISE, {})]
+    return {name: ["point"] for name in names}
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,10 +163,8 @@ def netcdf_bytes(draws: Draws) -> bytes:
     """Encode draws as NetCDF with ArviZ's groups; the same draws give the same bytes."""
     import arviz_base
 
-    observed = draws.groups.get("observed_data", {})
-    tree = arviz_base.from_dict(
-        draws.groups, dims={"theta": ["coordinate"], **{name: ["point"] for name in observed}}
-    )
+    dims = {"theta": ["coordinate"], **_pointwise_dims(draws.groups)}
+    tree = arviz_base.from_dict(draws.groups, dims=dims)
     for name in draws.groups:
         tree[name].attrs = {}  # ArviZ writes the time here
     tree["posterior"].attrs = dict(draws.described)
@@ -193,6 +199,7 @@ def parse_netcdf(raw: bytes) -> Draws:
                     if variable.attrs.get("CLASS") != b"DIMENSION_SCALE"
                 }
                 for name, group in file.items()
+                if name != POINTWISE
             }
             described = {
                 key: value if isinstance(value, str) else float(np.ravel(value)[0])

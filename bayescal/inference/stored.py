@@ -159,7 +159,7 @@ def estimate_from(kept: dict[str, Any]) -> EvidenceEstimate:
 
 def pack_weighted(draws: WeightedDraws) -> Draws:
     """Arrange weighted draws: those picked as a chain of their own, and all log weights."""
-    names, reported = draws.model.names, draws.model.report(draws.full)
+    names, reported = draws.model.names, draws.reported
     return Draws(
         {
             "posterior": {name: reported[None, :, j] for j, name in enumerate(names)},

@@ -40,6 +40,11 @@ class WeightedDraws:
         return self.full
 
     @property
+    def reported(self) -> Array:
+        """Reported parameters of each draw, ``(n_draws, n_parameters)``."""
+        return self.model.report(self.full)
+
+    @property
     def effective(self) -> float:
         """Effective number of draws."""
         return self.estimate.effective_fraction * self.estimate.draws

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.linalg import block_diag
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
+from bayescal.comparison.families.exact_parameters import exact_covariance
 from bayescal.comparison.results import OrderResult
 from bayescal.comparison.weak import correlation
-from bayescal.inference.posterior import INTERVAL_PROBABILITY
-from bayescal.points.setup import AXES
 
 if TYPE_CHECKING:  # Gaussian noise on one axis does not pay for what it does not need
-    from bayescal.comparison.families.results import JointModel
     from bayescal.inference.sampled_posterior import SampledPosterior
-    from bayescal.linear.closed_form import ExactPosterior
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,46 +60,8 @@ def covariance(draws: Array) -> Array:
         return np.atleast_2d(np.cov(draws.reshape(-1, draws.shape[2]), rowvar=False))
 
 
-@dataclass(frozen=True)
-class ExactParameter:
-    """A parameter of which the closed form knows all.
-
-    Attributes
-    ----------
-    name : str
-        As of the sampled models: ``alpha_1``, ``sigma_r``.
-    interval : tuple of float
-        Central, of probability 0.95.
-    """
-
-    axis: str
-    name: str
-    mean: float
-    sd: float
-    interval: tuple[float, float]
-
-
-def exact_parameters(model: JointModel) -> list[ExactParameter]:
-    """Coefficients and noise of both axes; nothing where there is no closed form."""
-    pairs = zip(AXES, model.exact, strict=False)
-    return [p for axis, posterior in pairs for p in _of_axis(axis, posterior)]
-
-
 def joint_covariance(model: JointModel) -> tuple[tuple[str, ...], Array]:
     """Names and covariance of a model's parameters; of its coefficients in closed form."""
     if model.posterior is not None:
         return model.posterior.names, covariance(model.posterior.chain.draws)
-    roots = [found.model.factors.monomials.apply(found.root) for found in model.exact]
-    names = [n for found in model.exact for n in found.model.names[: found.model.size]]
-    return tuple(names), block_diag(*(root @ root.T for root in roots))
-
-
-@lru_cache(maxsize=64)  # pairs of orders share their axes, and intervals take a while
-def _of_axis(axis: str, posterior: ExactPosterior) -> tuple[ExactParameter, ...]:
-    out = []
-    numbers = zip(*posterior.summary, posterior.intervals(INTERVAL_PROBABILITY), strict=True)
-    for name, (mean, sd, (low, high)) in zip(posterior.model.names, numbers, strict=True):
-        own = name.split("_")[0] == posterior.model.symbol
-        named, interval = name if own else f"{name}_{axis}", (float(low), float(high))
-        out.append(ExactParameter(axis, named, float(mean), float(sd), interval))
-    return tuple(out)
+    return exact_covariance(model.exact)

@@ -121,3 +121,22 @@ def test_a_cut_off_file_is_refused(run, tmp_path):
     done = here("report", folder, "--out", tmp_path / "a.html")
     assert (done.code, done.err.count("\n")) == (2, 1)
     assert "is not what was written there" in done.err
+
+
+def test_it_iterates_indexes_and_converts(run):
+    """Truth: the study itself."""
+    study = bc.open_run(run)
+    assert [axis.data.axis for axis in study] == list(study.axes)
+    assert len(study) == len(study.axes)
+    name = next(iter(study.axes))
+    assert study[name] is study.axes[name]
+    with pytest.raises(KeyError, match="axis 'x' was not looked at"):
+        study["x"]
+    frame = study.to_dataframe()
+    first = study[name].points[0]
+    assert frame.loc[(name, first.label), "bad_probability"] == first.bad_probability
+    assert len(frame) == sum(len(axis.points) for axis in study)
+    shown = study.summary()
+    for treatment in study[name].treatments:
+        for order, value in treatment.log_evidence.items():
+            assert shown.loc[(name, treatment.name, order), "log_evidence"] == value

@@ -122,6 +122,7 @@ class GaussianFreePair(_FreePair):
             partial(self._without, settings.seed),
             position=model.start,
             position_sd=position_sd(model),
+            pixels=joint_data(self.axes).pixels,
             residuals=self.residuals(model.start),
         )
         # What a draw says given the other points is no in-sample density.
@@ -196,6 +197,7 @@ class RobustFreePair(_FreePair):
             self.likelihood,
             model.log_likelihood,
             position=place,
+            pixels=joint_data(self.axes).pixels,
             residuals=self.residuals(place),
         )
 

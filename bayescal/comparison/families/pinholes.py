@@ -74,6 +74,7 @@ class PinholeCandidate:
             position_sd=position_sd(model.geometry, model.fit),
             residuals=model.fit.residuals,
             camera=model,
+            pixels=model.data.pixels,
         )
 
 

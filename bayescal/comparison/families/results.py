@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.conclusion import Verdict
+from bayescal.comparison.convert import Converts, Held, models_frame, moments
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.key import FREE, PINHOLE, STATED, Key
 from bayescal.comparison.verdict import listed_words, percent
@@ -16,6 +18,8 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import counted
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
+    import pandas as pd
+
     from bayescal.cameras.pinhole import Radial
     from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.criteria import Criteria
@@ -66,7 +70,7 @@ class FamilyRequest:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class JointModel(Judged):
+class JointModel(Judged, Converts):
     """One joint model of r and c: what a candidate is judged by, and its likelihood.
 
     Attributes
@@ -94,6 +98,8 @@ class JointModel(Judged):
         robust noise linear families at the stated one.
     weighted : WeightedDraws or None
         Of a model that has no closed form and was not sampled.
+    pixels : Array or None
+        Measured, ``(2, n_points)``, px.
     """
 
     log_evidence: float
@@ -107,6 +113,48 @@ class JointModel(Judged):
     exact: tuple[ExactPosterior, ...] = ()
     posterior: SampledPosterior | None = None
     weighted: WeightedDraws | None = None
+    pixels: Array | None = None
+
+    @property
+    def _parameters(self) -> Sequence[Any]:
+        """Summaries of the draws, or of the closed forms of r and of c."""
+        if self.posterior is not None:
+            return self.posterior.parameters
+        if self.weighted is not None:
+            return moments(self.weighted.model.names, self.weighted.reported)
+        from bayescal.comparison.families.exact_parameters import exact_parameters
+
+        return exact_parameters(self.exact)
+
+    def covariance(self) -> pd.DataFrame:
+        """Posterior covariance in a data frame: of the draws, or of coefficients in closed form."""
+        if not self.exact:
+            return super().covariance()
+        import pandas as pd
+
+        from bayescal.comparison.families.exact_parameters import exact_covariance
+
+        names, matrix = exact_covariance(self.exact)
+        return pd.DataFrame(matrix, index=list(names), columns=list(names))
+
+    def held(self) -> Held:
+        """Give draws, densities and data."""
+        pixels = self.pixels
+        observed = {} if pixels is None else dict(zip(("r", "c"), pixels, strict=True))
+        if self.posterior is not None:
+            full, model = self.posterior.full, self.posterior.model
+            draws, names = self.posterior.chain.draws, self.posterior.names
+        elif self.weighted is not None:
+            full, model = self.weighted.full[None], self.weighted.model
+            draws, names = self.weighted.reported[None], model.names
+        else:
+            return Held(None, (), None, observed)
+
+        def density() -> Array:
+            values = model.log_likelihood(full.reshape(-1, full.shape[2]))
+            return np.asarray(values.reshape(*full.shape[:2], -1))
+
+        return Held(draws, names, density, observed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,6 +318,23 @@ class FamilyComparison:
     def sound(self) -> bool:
         """Whether all draws met the stopping rule."""
         return all(m.sound for m in self.models)
+
+    def __iter__(self) -> Iterator[JointModel]:
+        return iter(self.models)
+
+    def __len__(self) -> int:
+        return len(self.models)
+
+    def __contains__(self, name: object) -> bool:
+        return any(str(model.key) == name for model in self.models)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Models in a data frame of pandas, a row each, the most probable first."""
+        return models_frame(self.models)
+
+    def summary(self) -> pd.DataFrame:
+        """Parameters of the most probable model in a data frame of pandas."""
+        return self.best.summary()
 
     def __getitem__(self, name: str) -> JointModel:
         for model in self.models:

@@ -51,6 +51,7 @@ class ExactPair(LinearPair):
             criteria=likelihood.criteria,
             goodness=likelihood.goodness,
             position=place,
+            pixels=joint_data(self.axes).pixels,
             residuals=self.residuals(place),
             exact=(r, c),
         )
@@ -98,6 +99,7 @@ class RobustStatedPair(LinearPair):
             store.leave_one_out(self.key, left_out),
             posterior=posterior,
             position=place,
+            pixels=joint_data(self.axes).pixels,
             residuals=self.residuals(place),
         )
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
@@ -11,6 +12,7 @@ from bayescal.calibration.error_model import ErrorModel
 from bayescal.calibration.judge import LensEvidence, Setting
 from bayescal.calibration.least_squares import Fit
 from bayescal.calibration.lens_model import LensModel
+from bayescal.comparison import convert
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.prediction import View
@@ -20,6 +22,9 @@ from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.markup import bullets, table
 from bayescal.points.views.views import Views
 from bayescal.rounding import significant
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -219,7 +224,7 @@ class LensVerdict:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class LensComparison(Evidenced):
+class LensComparison(Evidenced, convert.Converts):
     """Lens models compared over many views of a target.
 
     Attributes
@@ -248,6 +253,27 @@ class LensComparison(Evidenced):
     def sound(self) -> bool:
         """Whether draws converged and evidences can be trusted, as far as they matter."""
         return self.posterior.converged and all(j.sound for j in self.plausible)
+
+    def __iter__(self) -> Iterator[JudgedLens]:
+        return iter(self.lenses)
+
+    def __len__(self) -> int:
+        return len(self.lenses)
+
+    def __contains__(self, name: object) -> bool:
+        return any(judged.name == name for judged in self.lenses)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Lenses in a data frame of pandas, a row each, the most probable first."""
+        return convert.lenses_frame(self)
+
+    @property
+    def _parameters(self) -> Sequence[Any]:
+        return self.posterior.parameters
+
+    def held(self) -> convert.Held:
+        """Give draws of the best lens; a view's density needs its pose integrated out."""
+        return convert.Held(self.posterior.chain.draws, self.posterior.names, None, {})
 
     def __getitem__(self, name: str) -> JudgedLens:
         for judged in self.lenses:

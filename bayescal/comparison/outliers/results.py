@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from scipy.special import logsumexp
 
+from bayescal.comparison import convert
 from bayescal.comparison.defence.other_noise import ERRORS, MENTION
 from bayescal.comparison.evidence import strength
 from bayescal.comparison.findings.finding import Finding
@@ -25,6 +27,8 @@ from bayescal.prior.amplitudes import PriorRule
 from bayescal.rounding import rounded, significant
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from bayescal.comparison.settings import Settings
 
 # 2 ln B above which Gaussian noise is called wrong rather than doubtful: strong evidence.
@@ -279,6 +283,30 @@ class OutlierStudy:
     def sound(self) -> bool:
         """Whether every evidence can be trusted."""
         return all(axis.sound for axis in self.axes.values())
+
+    def __iter__(self) -> Iterator[AxisOutliers]:
+        return iter(self.axes.values())
+
+    def __len__(self) -> int:
+        return len(self.axes)
+
+    def __contains__(self, axis: object) -> bool:
+        return axis in self.axes
+
+    def __getitem__(self, axis: str) -> AxisOutliers:
+        try:
+            return self.axes[axis]
+        except KeyError:
+            names = ", ".join(self.axes)
+            raise KeyError(f"axis {axis!r} was not looked at; axes: {names}") from None
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Points of every axis in a data frame of pandas, a row each, the worst first."""
+        return convert.bad_points_frame(self)
+
+    def summary(self) -> pd.DataFrame:
+        """Orders under each treatment of bad points in a data frame of pandas."""
+        return convert.treatments_frame(self)
 
     def __repr__(self) -> str:
         lines = [f"  {name}: {axis.verdict}" for name, axis in self.axes.items()]

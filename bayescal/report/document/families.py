@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from bayescal.comparison.families.exact_parameters import exact_parameters
 from bayescal.comparison.families.results import (
     FamilyComparison,
     FamilyDefence,
@@ -25,7 +26,7 @@ from bayescal.report.document.shared import (
     provenance,
     summary_facts,
 )
-from bayescal.report.numbers import correlations, exact_parameters
+from bayescal.report.numbers import correlations
 
 SCHEMA = "bayescal.families/1"
 
@@ -145,5 +146,5 @@ def _closed_form(model: JointModel) -> list[dict[str, Any]]:
             "sd": p.sd,
             **interval_facts(p.interval),
         }
-        for p in exact_parameters(model)
+        for p in exact_parameters(model.exact)
     ]

@@ -117,11 +117,14 @@ KIND = ComparisonKind()
 
 def axis_draws(posterior: Posterior, data: AxisData, order: int) -> Draws:
     """Arrange the draws of one order of an axis for those who know nothing of bayescal."""
+    from bayescal.comparison.convert import kept_groups, order_held
     from bayescal.inference.stored import packed
 
+    groups = kept_groups(order_held(posterior, data))
+    groups["observed_data"] = {"pixel": data.t, "regressor": data.x}
     return described(
         packed(posterior),
-        {"pixel": data.t, "regressor": data.x},
+        groups,
         axis=data.axis,
         regressor=data.regressor,
         order=order,

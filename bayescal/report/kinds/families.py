@@ -6,13 +6,12 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from bayescal.arrays import Array
+from bayescal.comparison.convert import kept_groups
 from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.results import FamilyComparison, FamilyRequest
 from bayescal.comparison.settings import Settings
 from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.stored import packed
-from bayescal.points.setup import AXES
 from bayescal.report.document.families import SCHEMA, families_document
 from bayescal.report.kinds.comparison import COEFFICIENT, EVIDENCE, SETTINGS
 from bayescal.report.run.files import RunFiles
@@ -77,14 +76,13 @@ class FamiliesKind(RunKind[FamilyComparison]):
     def draws(self, result: FamilyComparison) -> dict[str, Draws]:
         """Draws of the models that were sampled, weighted ones of those that were weighted."""
         found = {}
-        observed: dict[str, Array] = {axis: result.points.pixel(axis) for axis in AXES}
         for model in result.models:
             kept = model.posterior or model.weighted
             if kept is None:
                 continue
             found[model.key.file(result.settings.noise)] = described(
                 packed(kept),
-                dict(observed),
+                kept_groups(model.held()),
                 model=str(model.key),
                 units="focal, centre, sigma, coefficients px; rotation degrees; position world "
                 "units; tau a fraction of the image; scale a factor",

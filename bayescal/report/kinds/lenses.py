@@ -93,7 +93,7 @@ class LensesKind(RunKind[LensComparison]):
         best, pixels = result.best, result.views.pixels
         kept = described(
             packed(result.posterior),
-            {"r": pixels[:, 0], "c": pixels[:, 1]},
+            {"observed_data": {"r": pixels[:, 0], "c": pixels[:, 1]}},
             lens=best.name,
             units="fx, fy, cx, cy, sigma px; coefficients without unit; bow in the target's unit; "
             "tau a fraction of the image's width, of bow of the target's diagonal",

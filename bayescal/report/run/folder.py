@@ -114,9 +114,9 @@ def digest(raw: bytes) -> str:
 
 
 def described(
-    draws: Draws, observed: dict[str, Array], *, library: str = "emcee", **words: Any
+    draws: Draws, groups: dict[str, dict[str, Array]], *, library: str = "emcee", **words: Any
 ) -> Draws:
     """Add to draws what a reader who knows nothing of bayescal needs: data, model, units."""
-    draws.groups["observed_data"] = observed
+    draws.groups.update(groups)
     draws.described.update({**words, "inference_library": library})
     return draws

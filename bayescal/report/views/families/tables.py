@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from bayescal.comparison.families.exact_parameters import exact_parameters
 from bayescal.comparison.families.results import (
     FamilyComparison,
     GroupedErrors,
@@ -12,7 +13,7 @@ from bayescal.comparison.families.results import (
 from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.verdict import percent
 from bayescal.inference.sampled_posterior import SampledPosterior
-from bayescal.report.numbers import correlations, exact_parameters
+from bayescal.report.numbers import correlations
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.rounding import rounded, significant
 
@@ -116,7 +117,7 @@ def parameters_table(model: JointModel, grouped: GroupedErrors | None = None) ->
         heads.append(Column("sd, groups", f"by the jackknife over {grouped.count} groups"))
     heads.append(Column("95% interval", "central"))
     if model.posterior is None:
-        exact = exact_parameters(model)
+        exact = exact_parameters(model.exact)
         rows = [_summary_cells(p.name, p.mean, p.sd, p.interval, grouped) for p in exact]
         return Table((Column(f"{model.key} (exact)", title="parameter"), *heads), tuple(rows))
     heads += [
