@@ -14,6 +14,7 @@ from bayescal.comparison.results import OrderResult
 from bayescal.comparison.weak import correlation
 
 if TYPE_CHECKING:  # Gaussian noise on one axis does not pay for what it does not need
+    from bayescal.comparison.families.results import JointModel
     from bayescal.inference.sampled_posterior import SampledPosterior
 
 
