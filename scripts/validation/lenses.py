@@ -34,7 +34,7 @@ KEYS = (
     "radial 3",
     "radial 3 + p",
 )
-VIEWS = (5, 10, 20)
+VIEWS = (5, 10, 20, 40)
 NOISE = (0.1, 0.3, 1.0)
 WRONG = 0.05  # a lens of less probability counts as excluded
 TWO = Truth((-60.0, 15.0), None)
@@ -67,7 +67,7 @@ def report(options: argparse.Namespace, failed: list[str]) -> Iterator[str]:
         f"images of {WIDTH} by {HEIGHT} px, pixel",
         "errors independent. Lenses of order 0 to 3 with and without tangential terms, "
         "displacements at the corner from 3 to",
-        "150 px (tangential 0.5 to 8 px), noise of 0.1, 0.3 or 1 px, all drawn anew for each set. "
+        "150 px (tangential 0.5 to 8 px), drawn anew for each set; noise of 0.1, 0.3 and 1 px in turn. "
         "Right picks among seven lenses;",
         "AIC and BIC from the likelihood of independent noise (counting the poses adds the same to "
         "every lens):",

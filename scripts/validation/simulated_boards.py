@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.cameras.lenses import lens_named
+from bayescal.cameras.lenses import Lens, lens_named
 from bayescal.cameras.pose import rotations
 from bayescal.points.views.views import Views
 
@@ -52,6 +52,18 @@ class Truth:
         order = len(self.radial)
         return "pinhole" if not order else f"radial {order}{' + p' * (self.tangential is not None)}"
 
+    def lens(self, focal: float) -> tuple[Lens, Array]:
+        """Give the lens and its coefficients at a focal length, px."""
+        lens = lens_named("radial", order=len(self.radial), tangential=self.tangential is not None)
+        values = dict(zip([n for n in lens.names if n[0] == "k"], self.radial, strict=True))
+        if self.tangential is not None:
+            values |= {"p1": self.tangential[0], "p2": self.tangential[1]}
+        k = [
+            values[n] * focal ** (m - 1) / RADIUS**m
+            for n, m in zip(lens.names, lens.powers, strict=True)
+        ]
+        return lens, np.array(k)
+
 
 def some_lens(rng: np.random.Generator) -> Truth:
     """Draw a typical lens of order 0 to 3, with or without tangential terms."""
@@ -73,16 +85,7 @@ def views_of(
     intrinsics = np.array(
         [focal, focal * (1 + 0.002 * rng.standard_normal()), WIDTH / 2 + 12, HEIGHT / 2 - 9]
     )
-    lens = lens_named("radial", order=len(truth.radial), tangential=truth.tangential is not None)
-    values = dict(zip([n for n in lens.names if n[0] == "k"], truth.radial, strict=True))
-    if truth.tangential is not None:
-        values |= {"p1": truth.tangential[0], "p2": truth.tangential[1]}
-    k = np.array(
-        [
-            values[n] * focal ** (m - 1) / RADIUS**m
-            for n, m in zip(lens.names, lens.powers, strict=True)
-        ]
-    )
+    lens, k = truth.lens(focal)
     flat = board()
     bent = with_errors(flat, errors, rng)
     wave = rng.uniform(0, 2 * np.pi, 2)
