@@ -67,8 +67,8 @@ def report(options: argparse.Namespace, failed: list[str]) -> Iterator[str]:
         f"images of {WIDTH} by {HEIGHT} px, pixel",
         "errors independent. Lenses of order 0 to 3 with and without tangential terms, "
         "displacements at the corner from 3 to",
-        "150 px (tangential 0.5 to 8 px), drawn anew for each set; noise of 0.1, 0.3 and 1 px in turn. "
-        "Right picks among seven lenses;",
+        "150 px (tangential 0.5 to 8 px), drawn anew for each set; noise of 0.1, 0.3 and 1 px in "
+        "turn. Right picks among seven lenses;",
         "AIC and BIC from the likelihood of independent noise (counting the poses adds the same to "
         "every lens):",
         "",

@@ -18,6 +18,7 @@ from bayescal.comparison.lenses import fitted, left_out
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.report.document.lenses import lenses_document
 from bayescal.report.document.shared import dumps, schema
+from bayescal.report.figures.lenses import bow, uncertainty
 from bayescal.report.figures.registry import figure_kinds
 from tests.helpers import boards
 from tests.helpers.command import here
@@ -103,6 +104,22 @@ def test_every_figure_is_drawn_of_a_run(kind: str, run: Path, tmp_path: Path) ->
     assert place.read_bytes().startswith(b"<?xml")
     words = figure_kinds("lenses")[kind].alt_text(bc.open_run(run))
     assert words in done.out
+
+
+def test_figures_show_the_numbers_of_the_tables(made: LensComparison) -> None:
+    """Truth: the table of places at the grid's corners and middle; evidences; offsets' normal."""
+    grid, sd = uncertainty.uncertainty(made)
+    for place in made.places:
+        (at,) = np.flatnonzero((np.abs(grid - place.pixel) < 1e-9).all(axis=1))
+        assert sd[at] == pytest.approx(place.infinity, rel=1e-9)
+    (panel,) = bc.plot(made, "evidence").axes
+    line = next(line for line in panel.lines if line.get_label() == "radial")
+    heights = [made.best.log_evidence - made[f"radial {k}"].log_evidence for k in (1, 2)]
+    np.testing.assert_allclose(line.get_ydata(), heights)
+    target, offsets = bow.parts(made)
+    for absorbed in (np.array([1.0, 0]), np.array([0, 1.0])):  # no shift is left
+        assert (offsets[:, :2] @ absorbed).sum() == pytest.approx(0, abs=1e-9)
+    assert (target[:, :2] * offsets[:, :2]).sum() == pytest.approx(0, abs=1e-6)  # nor scale
 
 
 def test_the_page_of_a_run(run: Path, made: LensComparison, tmp_path: Path) -> None:

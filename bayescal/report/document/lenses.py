@@ -25,6 +25,7 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
         "provenance": found.origin or provenance(command, found.settings),
         "settings": {
             **asdict(found.request),
+            "lenses": None if found.request.lenses is None else list(found.request.lenses),
             **{name: getattr(found.settings, name) for name in ("sigma", "seed", "ess")},
         },
         "data": {

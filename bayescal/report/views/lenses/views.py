@@ -145,7 +145,8 @@ def target_section(found: LensComparison) -> Section | None:
     """Show what is wrong with the target; None where it is taken as exact."""
     if not (found.setting.bow or found.setting.grid.offsets):
         return None
-    said = [words for words in (error_words(found), bow_words(found)) if words]
+    bow = bow_words(found)
+    said = [words for words in (error_words(found), bow and f"bow {bow}") if words]
     blocks = (*listed([f"{words[0].upper()}{words[1:]}." for words in said]), _figure(found, "bow"))
     return Section("target", "The target", "How far is it from what it should be?", blocks)
 
