@@ -14,6 +14,7 @@ from bayescal.errors import InputError
 from bayescal.linear.reduction import Reduction
 from bayescal.points.chunks.drawn import Drawn
 from bayescal.points.chunks.many import ManyPoints
+from bayescal.points.chunks.tally import Tally
 from bayescal.points.correspondences import Correspondences
 from bayescal.polynomials import separable
 from bayescal.polynomials.whole import Whole
@@ -75,6 +76,7 @@ def reduce_points(
         Where a point can't be used; the message names it.
     """
     drawn = Drawn(np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(SAMPLE,))))
+    tally = Tally()
     sums = {
         axis: Reduction(max(min(wanted[-1], HIGHEST_ORDER) + BEYOND, USUAL))
         for axis, wanted in orders.items()
@@ -85,5 +87,6 @@ def reduce_points(
                 data = separable.axis_data(chunk, axis)
                 reduction.add(data.x, data.t, data.sd)
             drawn.add(chunk)
-    sample = drawn.points(points.digest(), points.found.notes)
+            tally.add(chunk)
+    sample = drawn.points(points.digest(), (*points.found.notes, *tally.notes()))
     return sample, {axis: reduction.whole() for axis, reduction in sums.items()}

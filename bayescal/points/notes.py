@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
@@ -25,20 +26,28 @@ def point_notes(points: Correspondences) -> list[str]:
         for name in ("width", "height")
         if name in setup.assumed
     ]
-    return found + _off_the_image(points) + _repeated(points)
+    # Among many points they were counted as they were read.
+    off = _off_the_image(points) if points.drawn_from is None else []
+    return found + off + _repeated(points)
 
 
 def _of(count: int, points: Correspondences, one: str, more: str) -> str:
     return f"{count} of {counted(len(points), 'point')} {one if count == 1 else more}"
 
 
-def _off_the_image(points: Correspondences) -> list[str]:
-    """Pixels that an image of the stated size can't hold; half a pixel beyond an edge is on it."""
+def off_the_image(points: Correspondences) -> NDArray[np.bool_]:
+    """Whether each pixel is none of an image of the stated size, ``(n_points,)``."""
     off = np.zeros(len(points), dtype=bool)
     for axis in AXES:
         size, t = points.setup.size(axis), points.pixel(axis)
         if size is not None:
             off |= (t < -0.5) | (t > size + 0.5)
+    return off
+
+
+def _off_the_image(points: Correspondences) -> list[str]:
+    """Pixels that an image of the stated size can't hold; half a pixel beyond an edge is on it."""
+    off = off_the_image(points)
     if not off.any():
         return []
     first = int(np.argmax(off))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import tracemalloc
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from bayescal.points.chunks import stored, text
 from bayescal.points.chunks.chunk import HELD, Lazily
 from bayescal.points.chunks.drawn import Drawn
 from bayescal.points.chunks.many import ManyPoints, many_points
+from bayescal.points.chunks.tally import Tally
 from tests.helpers.points_files import rows
 from tests.helpers.points_files import text as table_of
 
@@ -227,6 +229,23 @@ def test_memory_does_not_grow_with_the_points(tmp_path: Path) -> None:
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < 1.1 * peaks[0]
+
+
+def test_the_odd_ones_are_counted_among_all(tmp_path: Path) -> None:
+    """Two behind the camera, one off the image: each may be missing from any sample."""
+    table = TABLE.copy()
+    table[[3000, 5500], 2] *= -1
+    table[4000, 3] = -700
+    path = tmp_path / "points.csv"
+    path.write_text(table_of(table.tolist()))
+    tally, setup = Tally(), bc.Setup(width=1920, height=1080)
+    for chunk in replace(many(path), setup=setup):
+        tally.add(chunk)
+    behind, off = tally.notes()
+    assert behind.startswith(f"of all {N} points 2 lie behind the camera")
+    assert f"points.csv:{3000 + 2}" in behind
+    assert off.startswith(f"of all {N} points 1 lies off the image")
+    assert f"points.csv:{4000 + 2}" in off
 
 
 def test_items_are_made_when_asked_for() -> None:
