@@ -41,6 +41,7 @@ def draw(subject: Subject) -> Figure:
         color=BLUE,
         plot_datapoints=False,
         fill_contours=True,
+        no_fill_contours=True,  # no white below them: there are no points to hide
         max_n_ticks=3,
         labelpad=0.12 * PANEL,
         label_kwargs={"fontsize": 9},

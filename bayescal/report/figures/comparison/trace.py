@@ -8,7 +8,9 @@ ranks are its ``plot_rank``: Sailynoja, Buerkner & Vehtari 2022, Stat. Comput. 3
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogFormatterSciNotation
 from scipy.stats import kstwo, rankdata
 
 from bayescal.arrays import Array
@@ -37,12 +39,18 @@ def draw(subject: Subject) -> Figure:
         for chain, colour in zip(shown, (BLUE, VERMILLION, "#009e73", "#e69f00"), strict=False):
             left.plot(np.arange(1, length + 1), draws[chain, :, j], color=colour, linewidth=0.7)
         left.set_ylabel(parameter_label(name, subject.unit))
-        left.set_yscale("log" if name == "tau" else "linear")
+        if name == "tau":
+            left.set_yscale("log")
+            # Within a decade more than its ends find room only where there is no other.
+            left.yaxis.set_minor_formatter(LogFormatterSciNotation(minor_thresholds=(0.5, 0.2)))
         share, differences = rank_differences(draws[:, :, j])
         right.axhspan(-bound, bound, color=PALE, alpha=0.5, linewidth=0)
-        right.plot(share, differences.T, color=BLUE, linewidth=0.4, alpha=0.5, rasterized=True)
+        lines = np.stack(np.broadcast_arrays(share, differences), axis=2)
+        ranks = LineCollection(list(lines), colors=BLUE, linewidths=0.4, alpha=0.5)
+        right.add_collection(ranks).set_rasterized(True)
         right.axhline(0, color=GREY, linewidth=0.7)
         right.set_ylim(-1.6 * bound, 1.6 * bound)
+        right.set_xlim(0, 1)
     panels[0, 0].set_title(f"{subject.title}: {len(shown)} of {chains} chains", loc="left")
     panels[0, 1].set_title("ranks, less uniform", loc="left")
     panels[-1, 0].set_xlabel("draw")

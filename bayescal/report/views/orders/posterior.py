@@ -11,7 +11,7 @@ FOLDED_DPI = 100  # of the corner plots that are folded away
 
 
 def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
-    """Show the corner plot of each chosen order; any other plausible one folded away."""
+    """Show the corner plot of each chosen order; its nearest plausible rival's folded away."""
     name, chosen = axis.data.axis, axis.chosen.order
     caption = (
         f"Draws of {name} at order {chosen} with the closed form laid over them where there "
@@ -19,7 +19,7 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
         "of a normal in two dimensions."
     )
     blocks: list[Block] = [Figure("corner", comparison, caption, name, dpi=DPI)]
-    for order in (order for order in axis.verdict.plausible if order != chosen):
+    for order in [order for order in axis.verdict.plausible if order != chosen][:1]:
         words = f"The same of order {order}."
         figure = Figure("corner", comparison, words, name, order, FOLDED_DPI)
         blocks.append(Details(f"Order {order} of {name}", (figure,)))
