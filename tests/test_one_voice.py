@@ -119,3 +119,4 @@ def test_talk_of_outliers_begins_with_the_model(points_file, capsys):
     model = shown.index("describes these points decisively better")
     assert "look at the model first" in shown[:model].lower()
     assert not re.search(r"bad with probability", shown[:model])
+    assert shown.index("P(bad)") > model

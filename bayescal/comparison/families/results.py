@@ -14,6 +14,7 @@ from bayescal.comparison.convert import Converts, Held, models_frame, moments
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.key import FREE, PINHOLE, STATED, Key
 from bayescal.comparison.verdict import listed_words, percent
+from bayescal.markup import bullets
 from bayescal.points.correspondences import Correspondences
 from bayescal.rounding import counted
 
@@ -344,3 +345,7 @@ class FamilyComparison:
 
     def __repr__(self) -> str:
         return f"<FamilyComparison: {self.verdict.text}>"
+
+    def _repr_html_(self) -> str:
+        """Show the verdict in a notebook, and what was assumed."""
+        return self.verdict._repr_html_() + bullets("Notes", self.notes)

@@ -198,6 +198,13 @@ class AxisOutliers:
         return line
 
     @property
+    def headline(self) -> str:
+        """The verdict behind what is against the model, in a few words."""
+        why = dict.fromkeys(f.because for f in self.findings if f.withholds)
+        first = f"Look at the model first: {'; '.join(why)}. " if why else ""
+        return first + self.verdict
+
+    @property
     def verdict(self) -> str:
         """Whether the choice of the order depends on how bad points are treated, in words."""
         orders = {t.name: t.order for t in self.treatments}
@@ -309,7 +316,7 @@ class OutlierStudy:
         return convert.treatments_frame(self)
 
     def __repr__(self) -> str:
-        lines = [f"  {name}: {axis.verdict}" for name, axis in self.axes.items()]
+        lines = [f"  {name}: {axis.headline}" for name, axis in self.axes.items()]
         return "\n".join(["<OutlierStudy", *lines]) + ">"
 
 

@@ -71,8 +71,8 @@ def about(study: OutlierStudy) -> list[str]:
 
 
 def headlines(study: OutlierStudy) -> list[str]:
-    """Give the verdict of each axis."""
-    return [f"{name}: {axis.verdict}" for name, axis in study.axes.items()]
+    """Give the verdict of each axis, and what is against the model before it."""
+    return [f"{name}: {axis.headline}" for name, axis in study.axes.items()]
 
 
 VIEWS = Views(

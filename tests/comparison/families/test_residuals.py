@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,9 @@ from bayescal.comparison.families.results import FamilyRequest
 from bayescal.comparison.settings import Settings
 from bayescal.noise.level import NoiseLevel
 from bayescal.points.groups import groups_of
+from bayescal.report.document.families import families_document
+from bayescal.report.terminal import render
+from bayescal.report.views.families.views import VIEWS
 from tests.helpers.cameras import TURNED, pixels, turned_points
 from tests.helpers.problems import make_axis
 
@@ -165,6 +169,13 @@ def test_better_orders_beyond_those_compared_withhold_the_word():
     assert "separable (4, 1), position free, which was not compared, would win" in (
         found.verdict.text
     )
+    document = families_document(found, "a test")["verdict"]
+    shown = " ".join(render(VIEWS.brief(found), terminal=False).split())
+    notebook = html.unescape(found._repr_html_())
+    for text in (document["text"], *document["caveats"]):  # every outlet says the same
+        assert text in shown
+        assert text in notebook
+    assert document["text"] in repr(found)
 
 
 def test_a_defence_takes_out_groups():
