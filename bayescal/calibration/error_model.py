@@ -104,6 +104,19 @@ class Geometry:
         return float(np.median(distance[:, 1]))
 
     @cached_property
+    def pixel(self) -> float:
+        """Length on the target that makes 1 px, from neighbours in the views, diagonals."""
+        squares = []
+        for which, pixels, seen in zip(
+            self.data.which, self.data.pixels, self.data.seen, strict=True
+        ):
+            points, at = self.data.target[which[seen]], pixels[seen]
+            distance, nearest = cKDTree(points).query(points, k=2)
+            apart = at[nearest[:, 1]] - at
+            squares.append((apart**2).sum(axis=1) / distance[:, 1] ** 2)
+        return float(1 / np.sqrt(np.concatenate(squares).mean()))
+
+    @cached_property
     def distance(self) -> Array:
         """Between points of the target, ``(n_target, n_target)``."""
         gap = self.data.target[:, None] - self.data.target[None]

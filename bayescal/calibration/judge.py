@@ -11,7 +11,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_grid import Averaged, ErrorGrid, Node, follow
-from bayescal.calibration.error_model import INDEPENDENT, Geometry, Shared
+from bayescal.calibration.error_model import Geometry, Shared
 from bayescal.calibration.evidence import settled, weighed
 from bayescal.calibration.laplace import Level, laplace
 from bayescal.calibration.least_squares import Fit, with_bow
@@ -38,7 +38,7 @@ class Setting:
     geometry : Geometry
     grid : ErrorGrid
     unit : float
-        Length on the target that makes 1 px, diagonals.
+        Length on the target that makes 1 px, diagonals (`Geometry.pixel`).
     level : Level
     bow : bool
         Whether the target may bow.
@@ -52,13 +52,14 @@ class Setting:
     bow: bool
 
     @classmethod
-    def of(cls, data: Observations, level: Level, unit: float, *, independent: bool) -> Setting:
+    def of(cls, data: Observations, level: Level, *, independent: bool) -> Setting:
         """Offer every error model that the data can tell of, or none but independent noise."""
         geometry = Geometry(data)
         grid = ErrorGrid.of(geometry)
         if independent:
             grid = replace(grid, correlated=False, offsets=False)
-        return cls(data, geometry, grid, unit, level, data.planar and not independent)
+        bow = data.planar and not independent
+        return cls(data, geometry, grid, geometry.pixel, level, bow)
 
     def problem(self, model: LensModel, x: Array, poses: Poses, node: Node) -> Problem:
         """Put a lens and poses under an error model."""
@@ -86,13 +87,6 @@ class LensEvidence:
     problem: Problem
     estimate: EvidenceEstimate
     log_evidence: float
-
-
-def length_of_pixel(model: LensModel, data: Observations, fit: Fit) -> float:
-    """Length on the target that makes 1 px, in the root mean square, diagonals."""
-    stack = Problem(model, data, fit.x, fit.poses, INDEPENDENT, None).stack
-    slopes = stack.by_target[data.seen][..., :2]
-    return float(1 / np.sqrt(2 * (slopes**2).mean()))
 
 
 def lens_evidence(

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from bayescal.calibration.error_grid import Node
-from bayescal.calibration.judge import Setting, length_of_pixel
+from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level
 from bayescal.calibration.least_squares import Fit, carried, least_squares
 from bayescal.calibration.lens_model import LensModel
@@ -28,7 +28,6 @@ from bayescal.comparison.lenses.candidates import (
 from bayescal.comparison.lenses.fitted import FittedLens
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import JudgedLens
-from bayescal.errors import InputError
 from bayescal.points.views.views import Views
 
 FLEXIBLE = ("radial 3 + p", "fisheye 3")  # lenses that show how noisy views are
@@ -52,7 +51,7 @@ class Sweep:
     Attributes
     ----------
     setting : Setting
-        What all lenses share; the length of a pixel on the target comes from the first of them.
+        What all lenses share.
     impossible : list of str
         Lenses that can't see some point.
     failures : list of str
@@ -61,14 +60,16 @@ class Sweep:
 
     def __init__(self, views: Views, request: LensRequest, level: Level) -> None:
         size = image_size(views)
-        self.request, self.level = request, level
+        self.request = request
         self.data = Observations.from_views(views, size)
         if request.per_view:
             self.data = self.data.with_levels(view_levels(self.data, self._models(FLEXIBLE)))
         self.impossible: list[str] = []
         self.failures: list[str] = []
-        self._start = FIRST
-        self._setting: Setting | None = None
+        self.setting = Setting.of(self.data, level, independent=request.independent)
+        self._start = FIRST if self.setting.grid.offsets else (FIRST[0], (3, 3, 0, 0))
+        if request.independent:
+            self._start = FIRST[:1]
         self._fits: dict[str, tuple[LensModel, Fit]] = {}
         self._evidence: dict[str, float] = {}
 
@@ -78,13 +79,6 @@ class Sweep:
     def _model(self, candidate: Candidate) -> LensModel:
         request = self.request
         return candidate.model(self.data.size, square=request.square, centred=request.centred)
-
-    @property
-    def setting(self) -> Setting:
-        """Give what all share."""
-        if self._setting is None:
-            raise InputError("calibrate: no lens can see all points of these views")
-        return self._setting
 
     def __iter__(self) -> Iterator[FittedLens]:
         """Go through what is asked for, or through the families while their evidence rises."""
@@ -120,8 +114,6 @@ class Sweep:
                 self.impossible.append(candidate.name)
                 continue
             self._fits[candidate.name] = model, fit
-            if self._setting is None:
-                self._begin(length_of_pixel(model, self.data, fit))
             yield FittedLens(
                 candidate, model, fit, self.setting, self._start, self.request.draws, self._judged
             )
@@ -130,14 +122,6 @@ class Sweep:
         self._evidence[found.name] = found.log_evidence
         # The next lens's errors are likely to be those of this one.
         self._start = tuple(dict.fromkeys((*FIRST[:1], *found.evidence.errors.nodes[:1])))
-
-    def _begin(self, unit: float) -> None:
-        independent = self.request.independent
-        self._setting = Setting.of(self.data, self.level, unit, independent=independent)
-        if independent:
-            self._start = FIRST[:1]
-        elif not self._setting.grid.offsets:
-            self._start = (FIRST[0], (3, 3, 0, 0))
 
     def _fit(self, candidate: Candidate, model: LensModel) -> Fit:
         """Least squares from every sub-model's fit, or from nothing where there is none."""

@@ -113,7 +113,7 @@ class LensesKind(RunKind[LensComparison]):
             if kept.levels is not None:
                 data = data.with_levels(kept.levels)
             level = level_of(settings)
-            setting = Setting.of(data, level, kept.unit, independent=request.independent)
+            setting = Setting.of(data, level, independent=request.independent)
             lenses = kept.lenses(setting, request)
             best = lenses[0]
             model = SampledLens(best.evidence.problem)

@@ -29,7 +29,6 @@ def lenses_bytes(found: LensComparison) -> bytes:
         arrays["levels"] = found.setting.data.levels
     arrays |= {f"half.{i}": half for i, half in enumerate(drawn.halves)}
     head = {
-        "unit": found.setting.unit,
         "impossible": found.impossible,
         "failures": found.failures,
         "lenses": [_packed(judged, f"{i}.", arrays) for i, judged in enumerate(found.lenses)],
@@ -68,11 +67,6 @@ class KeptLenses:
 
     def __init__(self, raw: bytes) -> None:
         self.head, self._arrays = from_npz(raw)
-
-    @property
-    def unit(self) -> float:
-        """Length on the target that makes 1 px, diagonals."""
-        return float(self.head["unit"])
 
     def names(self, what: str) -> tuple[str, ...]:
         """Lenses that were impossible, or failures."""

@@ -135,3 +135,10 @@ def test_one_view_taken_three_times_is_refused() -> None:
 def test_one_view_is_refused() -> None:
     with pytest.raises(InputError, match="one view"):
         bc.calibrate(simulated(1, 1))
+
+
+def test_a_lens_alone_has_the_evidence_it_has_among_others() -> None:
+    """Truth: one model of one set of views has one evidence; the search starts elsewhere."""
+    alone = bc.calibrate(simulated(1), lenses=["radial 2"], ess=100)
+    among = compared()["radial 2"]
+    assert alone.best.log_evidence == pytest.approx(among.log_evidence, abs=0.005)
