@@ -27,5 +27,5 @@ def many_or_few(options: argparse.Namespace) -> Iterator[Correspondences | ManyP
     if many is None:
         yield shared.points(options)
         return
-    with shared.Progress(options, many.found.about, "reading") as progress:
+    with shared.Progress(options, many.found.about, "reading points,") as progress:
         yield shared.with_camera(dataclasses.replace(many, told=progress.more), options)

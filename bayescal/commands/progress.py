@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+import time
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ class Progress:
             shown = sys.stderr.isatty() and not options.quiet
         self._doing, self._total, self._shown = doing, total + HEAVY * heavy, bool(shown)
         self._running = 0  # weight of what is being done now
+        self._done, self._begun = 0, time.perf_counter()
         self._task: Any = None
 
     def __call__(self, what: str, order: int) -> None:
@@ -56,8 +58,10 @@ class Progress:
         self._running = weight
 
     def more(self, count: int) -> None:
-        """Count so many things more."""
-        self._move(count, self._doing)
+        """Count so many small things more, and say how many a second there are."""
+        self._done += count
+        rate = self._done / max(time.perf_counter() - self._begun, 1e-9)
+        self._move(count, f"{self._doing} {rate:,.0f} a second")
 
     def _move(self, count: int, words: str) -> None:
         if self._task is not None:

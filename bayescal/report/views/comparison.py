@@ -54,7 +54,8 @@ def brief(comparison: Comparison) -> Blocks:
         part += coefficients.of_axis(comparison, axis)
         blocks.append(Part(axis_title(axis), tuple(part)))
     blocks += stability.both_axes(comparison)
-    if any(axis.defence is None for axis in comparison.axes.values()):
+    many = comparison.points is not None and comparison.points.drawn_from is not None
+    if not many and any(axis.defence is None for axis in comparison.axes.values()):
         more = "leave-one-out, prior sensitivity, stability, adequacy, other noise, orders beyond"
         blocks.append(Prose(f"Would it persuade a referee? --defend adds {more}."))
     blocks += sampling(comparison)
