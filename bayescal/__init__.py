@@ -41,10 +41,10 @@ _EXPORTS = {
     "locate": "bayescal.api.camera",
     "distances": "bayescal.api.camera",
     "locate_target": "bayescal.api.camera",
-    "image_maps": "bayescal.api.camera",
-    "changed": "bayescal.api.camera",
-    "undistort": "bayescal.api.camera",
-    "undistortion": "bayescal.api.camera",
+    "image_maps": "bayescal.api.image",
+    "changed": "bayescal.api.image",
+    "undistort": "bayescal.api.image",
+    "undistortion": "bayescal.api.image",
     "compare": "bayescal.api.axes",
     "compare_families": "bayescal.api.families",
     "compare_polynomials": "bayescal.api.polynomials",
@@ -120,19 +120,10 @@ __all__ = [
 if TYPE_CHECKING:
     from bayescal.api.axes import compare, fit
     from bayescal.api.calibrate import calibrate
-    from bayescal.api.camera import (
-        camera,
-        changed,
-        distances,
-        image_maps,
-        locate,
-        locate_target,
-        predict,
-        undistort,
-        undistortion,
-    )
+    from bayescal.api.camera import camera, distances, locate, locate_target, predict
     from bayescal.api.families import compare_families, fit_family
     from bayescal.api.fleet import fleet
+    from bayescal.api.image import changed, image_maps, undistort, undistortion
     from bayescal.api.outliers import outliers
     from bayescal.api.polynomials import compare_polynomials, fit_polynomial, least_squares
     from bayescal.errors import BayescalError, InputError

@@ -2,34 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from bayescal.cameras.undistortion import Field
+from bayescal.api.rows import answered, numbers_of
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.changed import Change
-from bayescal.prediction.changed import changed as change_of
 from bayescal.prediction.columns import (
     location_columns,
     pair_columns,
     prediction_columns,
-    undistorted_columns,
 )
+from bayescal.prediction.given import checked, surface_of
 from bayescal.prediction.locate import locate as locate_pixels
-from bayescal.prediction.locate import surface_of
-from bayescal.prediction.maps import ImageMaps
-from bayescal.prediction.maps import image_maps as maps_of
 from bayescal.prediction.pairs import distances as distances_between
-from bayescal.prediction.predict import checked
 from bayescal.prediction.predict import predict as predict_pixels
 from bayescal.prediction.target import TargetPose
 from bayescal.prediction.target import locate_target as pose_of
-from bayescal.prediction.undistorting import Undistortion
-from bayescal.prediction.undistorting import undistortion as undistortion_of
 
 
 def camera(
@@ -92,8 +82,8 @@ def predict(source: Any, world: Any, *, average: bool | None = None) -> Any:
         Where the points have another shape, or a number is not finite.
     """
     fitted = camera(source)
-    found = predict_pixels(fitted, _numbers(world, ("x", "y", "z"), "world"), average=average)
-    return _like(world, found, prediction_columns)
+    found = predict_pixels(fitted, numbers_of(world, ("x", "y", "z"), "world"), average=average)
+    return answered(world, found, prediction_columns)
 
 
 def locate(
@@ -137,9 +127,9 @@ def locate(
         Where the pixels have another shape, a number is not finite, or a surface is none.
     """
     surface = surface_of(depth, depth_sd, plane)
-    own = _numbers(pixels, ("r", "c"), "pixels")
+    own = numbers_of(pixels, ("r", "c"), "pixels")
     found = locate_pixels(camera(source), own, surface=surface, average=average, seed=seed)
-    return _like(pixels, found, location_columns)
+    return answered(pixels, found, location_columns)
 
 
 def distances(
@@ -177,11 +167,11 @@ def distances(
         Where there is no surface, or pixels have another shape.
     """
     surface = surface_of(depth, depth_sd, plane)
-    ends = checked(_numbers(pairs, ("r1", "c1", "r2", "c2"), "pairs"), 4, "pairs")
+    ends = checked(numbers_of(pairs, ("r1", "c1", "r2", "c2"), "pairs"), 4, "pairs")
     found = distances_between(
         camera(source), ends[:, :2], ends[:, 2:], surface, average=average, seed=seed
     )
-    return _like(pairs, found, pair_columns)
+    return answered(pairs, found, pair_columns)
 
 
 def locate_target(
@@ -222,119 +212,9 @@ def locate_target(
         Where arrays have another shape or hold something else, the target has too few points, or
         no pose puts all of them where the camera can see them.
     """
-    points = _numbers(target, ("x", "y", "z"), "target")
+    points = numbers_of(target, ("x", "y", "z"), "target")
     if pixels is None:
         if points is target:
             raise InputError("pixels are missing: give r, c of each point, or a data frame of both")
-        pixels = _numbers(target, ("r", "c"), "target")
+        pixels = numbers_of(target, ("r", "c"), "target")
     return pose_of(camera(source), points, pixels, average=average, sigma=sigma, seed=seed)
-
-
-def image_maps(source: Any, *, columns: int = 33, rows: int = 25) -> ImageMaps:
-    """Map over the image how sure the mapping is, and what other plausible models would move.
-
-    Parameters
-    ----------
-    source : CalibratedCamera, or anything `camera` takes
-    columns, rows : int, optional
-        Of the grid over the image.
-
-    Returns
-    -------
-    ImageMaps
-        Deviations of the mapping, of a new measurement and averaged, differences of the models,
-        px; `bayescal.plot` draws them (``"sd-map"``, ``"difference-map"``).
-    """
-    return maps_of(camera(source), columns=columns, rows=rows)
-
-
-def changed(first: Any, second: Any, *, average: bool | None = None, seed: int = 0) -> Change:
-    """Compare two calibrations of one camera, to learn whether it is still the same.
-
-    Parameters
-    ----------
-    first, second : CalibratedCamera, or anything `camera` takes
-    average : bool, optional
-        As in `camera`, of both.
-    seed : int, optional
-        Of the pairing of the draws.
-
-    Returns
-    -------
-    Change
-        How far predictions lie apart over the image, px, and how often two calibrations of one
-        camera would lie so far apart.
-
-    Raises
-    ------
-    InputError
-        Where they are of different cameras, or nothing was calibrated by both.
-    """
-    return change_of(camera(first), camera(second), average=average, seed=seed)
-
-
-def undistortion(source: Any, *, field: Field = "same") -> Undistortion:
-    """Choose a camera without distortion that sees what a calibrated one sees.
-
-    Parameters
-    ----------
-    source : CalibratedCamera, or anything `camera` takes
-        A lens, or polynomials: these give each pixel a direction x/z, y/z.
-    field : {"same", "inside", "full"} or float
-        The same focal length and principal point (of polynomials those straight ahead); as much
-        as leaves no pixel black; as much as loses no pixel; or so many degrees from left to right.
-
-    Returns
-    -------
-    Undistortion
-        Its ``pixels``, ``distorted`` and ``image`` apply it; the table of ``cv2.remap`` is made
-        once, with the first image.
-
-    Raises
-    ------
-    InputError
-        Where there is no such camera, or the image's size is unknown.
-    """
-    return undistortion_of(camera(source), field)
-
-
-def undistort(source: Any, pixels: Any, *, field: Field = "same") -> Any:
-    """Take the distortion out of pixels.
-
-    Parameters
-    ----------
-    source, field
-        As in `undistortion`.
-    pixels : array_like or DataFrame
-        r, c as recorded, ``(n, 2)``, px; a data frame has columns r, c.
-
-    Returns
-    -------
-    Array or DataFrame
-        Pixels of the ideal camera, ``(n, 2)``, px; nan where it sees no such direction. For a
-        data frame its rows with the columns that ``bayescal undistort --pixels`` writes.
-
-    Raises
-    ------
-    InputError
-        Where there is no such camera, or the pixels have another shape.
-    """
-    own = checked(_numbers(pixels, ("r", "c"), "pixels"), 2, "pixels")
-    found = undistortion(source, field=field).pixels(own)
-    return _like(pixels, found, undistorted_columns)
-
-
-def _numbers(given: Any, names: tuple[str, ...], what: str) -> Any:
-    """Take the named columns of a data frame; anything else as it is."""
-    if not hasattr(given, "columns"):
-        return given
-    missing = [name for name in names if name not in given.columns]
-    if missing:
-        needed = ", ".join(names)
-        raise InputError(f"{what}: the data frame has no column {missing[0]!r}; it needs {needed}")
-    return np.asarray(given[list(names)])
-
-
-def _like(given: Any, found: Any, columns: Callable[[Any], dict[str, Any]]) -> Any:
-    """Answer a data frame by one: its rows, and what was found."""
-    return given.assign(**columns(found)) if hasattr(given, "columns") else found

@@ -12,7 +12,7 @@ from bayescal.errors import InputError
 
 if TYPE_CHECKING:
     from bayescal.prediction.calibrated import CalibratedCamera
-    from bayescal.prediction.locate import Surface
+    from bayescal.prediction.given import Surface
 
 DESCRIPTION = (
     "Locate what measured pixels look at by a calibrated camera: directions, or points of the "
@@ -121,7 +121,7 @@ def _target(options: argparse.Namespace, camera: CalibratedCamera, surface: Surf
 
 def _surface(options: argparse.Namespace) -> Surface | None:
     """Where the points lie, as the options say."""
-    from bayescal.prediction.locate import surface_of
+    from bayescal.prediction.given import surface_of
 
     if options.depth is not None and options.plane is not None:
         raise InputError("--depth and --plane both say where the points lie: keep one")

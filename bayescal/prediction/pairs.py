@@ -14,19 +14,18 @@ import numpy as np
 from bayescal.arrays import Array, ArrayLike
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.given import Surface, checked
 from bayescal.prediction.inverse import solutions
 from bayescal.prediction.locate import (
     BLOCK,
     PROBABILITY,
     SOURCES,
-    Surface,
     budget,
     monte_carlo,
     summaries,
     weighted_quantile,
 )
 from bayescal.prediction.members import BoolArray
-from bayescal.prediction.predict import checked
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array, ArrayLike
-from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.given import checked
 from bayescal.prediction.members import BoolArray, Member, PolynomialMember
 from bayescal.prediction.noise import mixture_quantiles
 
@@ -173,25 +173,6 @@ def averaged(found: list[Moments], weights: tuple[float, ...]) -> tuple[Array, A
         for one, w in zip(found, weights, strict=True):
             between += w * (one.mean - mean) ** 2
     return mean, within, between
-
-
-def checked(values: ArrayLike, columns: int, what: str) -> Array:
-    """Points or pixels as an array ``(n, columns)`` of finite numbers.
-
-    Raises
-    ------
-    InputError
-    """
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{what} must be numbers") from None
-    if array.ndim != 2 or array.shape[1] != columns:
-        raise InputError(f"{what} must have shape (n, {columns}), not {array.shape}")
-    bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
-    if bad.size:
-        raise InputError(f"{what}, row {int(bad[0]) + 1}: holds a number that is not finite")
-    return array
 
 
 def _by_draws(member: Member, n: int) -> bool:

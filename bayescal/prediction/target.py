@@ -20,9 +20,9 @@ from bayescal.arrays import Array, ArrayLike
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.given import checked
 from bayescal.prediction.members import BoolArray, LensMember, Member, Parameters
 from bayescal.prediction.placing import Placed, sensitivity, settle_poses, starts
-from bayescal.prediction.predict import checked
 
 FEWEST = 4
 SOURCES = ("noise", "coefficients", "models")

@@ -9,8 +9,9 @@ import pytest
 
 import bayescal as bc
 from bayescal.errors import InputError
+from bayescal.prediction.given import Surface
 from bayescal.prediction.inverse import rays, solutions
-from bayescal.prediction.locate import Surface, locate, weighted_quantile
+from bayescal.prediction.locate import locate, weighted_quantile
 from bayescal.prediction.members import PolynomialMember
 from bayescal.prediction.pairs import distances
 from bayescal.prediction.predict import predict

@@ -8,7 +8,8 @@ from bayescal.arrays import Array
 from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.columns import NO_DISTANCE, NO_MEETING, NO_SOLUTION, location_remarks
-from bayescal.prediction.locate import SOURCES, Location, Surface
+from bayescal.prediction.given import Surface
+from bayescal.prediction.locate import SOURCES, Location
 from bayescal.prediction.members import BoolArray
 from bayescal.prediction.pairs import Distances
 from bayescal.report.blocks import Blocks, Listing, Tabled

@@ -1,0 +1,77 @@
+"""What is given to a calibrated camera: points, pixels, and the surface they look at."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.arrays import Array, ArrayLike
+from bayescal.errors import InputError
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A plane a x + b y + c z = d of the world (of the camera's frame for a lens without pose).
+
+    Attributes
+    ----------
+    normal : tuple of float
+        a, b, c.
+    offset : float
+        d.
+    sd : float
+        Of d, the same error for all pixels.
+    """
+
+    normal: tuple[float, float, float]
+    offset: float
+    sd: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite([*self.normal, self.offset, self.sd]).all() and any(self.normal)):
+            raise InputError("a plane needs finite a, b, c, d, of which a, b, c are not all 0")
+        if self.sd < 0:
+            raise InputError(f"the depth's sd is {self.sd:g}: it can't be negative")
+
+
+def surface_of(
+    depth: float | None, depth_sd: float, plane: Sequence[float] | None
+) -> Surface | None:
+    """Make the surface of a depth z, or of a plane's a, b, c, d; None where neither is given.
+
+    Raises
+    ------
+    InputError
+        Where both are given, or a plane is none.
+    """
+    if depth is not None and plane is not None:
+        raise InputError("depth and plane both say where the points lie: keep one")
+    if depth is not None:
+        return Surface((0.0, 0.0, 1.0), depth, depth_sd)
+    if plane is None:
+        return None
+    if len(plane) != 4:
+        raise InputError(f"a plane needs a, b, c, d, not {len(plane)} numbers")
+    a, b, c, d = plane
+    return Surface((a, b, c), d)
+
+
+def checked(values: ArrayLike, columns: int, what: str) -> Array:
+    """Points or pixels as an array ``(n, columns)`` of finite numbers.
+
+    Raises
+    ------
+    InputError
+    """
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"{what} must be numbers") from None
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise InputError(f"{what} must have shape (n, {columns}), not {array.shape}")
+    bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
+    if bad.size:
+        raise InputError(f"{what}, row {int(bad[0]) + 1}: holds a number that is not finite")
+    return array
