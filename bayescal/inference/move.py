@@ -11,8 +11,9 @@ from bayescal.arrays import Array
 from bayescal.inference.proposal import Proposal
 
 # Proposals don't depend on the state, so they are drawn, and their densities evaluated, for
-# this many steps at a time: the cost of many small array operations falls by this factor.
-STEPS_AHEAD = 38
+# several steps at a time: the cost of many small array operations falls by this factor. More
+# draws at once would leave the processor's cache.
+STEPS_AHEAD, DRAWS_AHEAD = 38, 38 * 64
 
 
 class IndependenceMove(Move):
@@ -28,11 +29,12 @@ class IndependenceMove(Move):
     rng : numpy.random.Generator
         The only source of randomness of the move.
     ahead : int, optional
-        Steps to draw and evaluate at a time; what is left of them at the end is lost.
+        Steps to draw and evaluate at a time, by default 38, or as many as make 2432 draws; what
+        is left of them at the end is lost.
     """
 
     def __init__(
-        self, proposal: Proposal, rng: np.random.Generator, ahead: int = STEPS_AHEAD
+        self, proposal: Proposal, rng: np.random.Generator, ahead: int | None = None
     ) -> None:
         self.proposal, self.rng, self.ahead = proposal, rng, ahead
         # Drawn, not yet proposed: coordinates, log q and log density.
@@ -60,10 +62,11 @@ class IndependenceMove(Move):
 
     def _next(self, model: Any, walkers: int) -> tuple[Array, Array, Array]:
         if not self._ahead or len(self._ahead[-1][1]) != walkers:
-            coords = self.proposal.draw(self.rng, self.ahead * walkers)
+            ahead = self.ahead or min(STEPS_AHEAD, max(DRAWS_AHEAD // walkers, 1))
+            coords = self.proposal.draw(self.rng, ahead * walkers)
             log_q = self.proposal.log_density(coords)
             log_prob, _ = model.compute_log_prob_fn(coords)
-            parts = (np.split(values, self.ahead) for values in (coords, log_q, log_prob))
+            parts = (np.split(values, ahead) for values in (coords, log_q, log_prob))
             self._ahead = list(zip(*parts, strict=True))
         return self._ahead.pop()
 

@@ -68,9 +68,26 @@ def sample(
     return chain
 
 
+class VectorSampler(emcee.EnsembleSampler):
+    """An emcee sampler of a density that is evaluated for many walkers at once.
+
+    emcee goes through what comes back number by number, in case blobs are among it: at 1000
+    walkers that takes as long as everything else together.
+    """
+
+    def compute_log_prob(self, coords: Array) -> tuple[Array, None]:
+        """Log densities of coordinates ``(n, dimension)``, ``(n,)``, and no blobs."""
+        if not np.isfinite(coords).all():
+            raise ValueError("a walker is at no finite place")
+        found = self.log_prob_fn(coords)
+        if np.isnan(found).any():
+            raise ValueError("the log density is NaN")
+        return found, None
+
+
 def quiet_sampler(
     walkers: int, dimension: int, log_prob: Callable[[Array], Array], move: emcee.moves.Move
-) -> emcee.EnsembleSampler:
+) -> VectorSampler:
     """Make an emcee sampler that prints nothing.
 
     Parameters
@@ -78,7 +95,7 @@ def quiet_sampler(
     log_prob : callable
         From all walkers at once, ``(n, dimension)``, to log densities ``(n,)``.
     """
-    sampler = emcee.EnsembleSampler(walkers, dimension, log_prob, moves=move, vectorize=True)
+    sampler = VectorSampler(walkers, dimension, log_prob, moves=move, vectorize=True)
     # emcee wraps the density to print whatever it raises, with its trace, before passing it
     # on: when somebody presses Ctrl-C, too.
     sampler.log_prob_fn = log_prob
@@ -86,7 +103,7 @@ def quiet_sampler(
 
 
 def _collect(
-    sampler: emcee.EnsembleSampler,
+    sampler: VectorSampler,
     whitening: Whitening,
     report: Callable[[Array], Array],
     ess: int,
