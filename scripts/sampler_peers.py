@@ -32,7 +32,7 @@ import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import ANCHOR, POSE
 from bayescal.density.gaussian_pinhole import GaussianPinhole
-from bayescal.inference.arviz_bridge import diagnose
+from bayescal.inference.diagnostics import diagnose
 from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.camera import log_normal
 from scripts.validation.families import build, sampled
@@ -86,7 +86,7 @@ def nuts(model: GaussianPinhole) -> tuple[float, str]:
     theta = draws.reshape(-1, model.dimension)
     reported = model.report(model.complete(theta, np.random.default_rng(0)))
     chains = reported.reshape(CHAINS, DRAWS, -1)
-    found = [diagnose(chains[:, :, j]) for j in range(chains.shape[2])]
+    found = diagnose(chains)
     return min(d.ess_bulk for d in found) / seconds, f"R-hat {max(d.rhat for d in found):.3f}"
 
 
