@@ -62,7 +62,6 @@ def test_the_same_seed_gives_the_same_bytes(capsys):
     ("arguments", "match"),
     [
         (["compare", "--family", "pinhole", "--axis", "r"], "drop --axis r"),
-        (["compare", "--family", "pinhole", "--defend"], "drop --defend"),
         (["compare", "--family", "pinhole", "--no-c-from-bottom"], "mirrored world"),
         (["compare", "--family", "bivariate", "--orders", "10"], "the highest order that works"),
         (["compare", "--family", "pinhole", "--tau", "0"], "tau must be from 1e-09"),

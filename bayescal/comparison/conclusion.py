@@ -11,7 +11,7 @@ from bayescal.comparison.findings.finding import Finding, ordered
 from bayescal.markup import bullets, paragraph
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Verdict(ABC):
     """What to conclude of candidates, what stands against it, and how that is said.
 
@@ -72,6 +72,9 @@ class Verdict(ABC):
         found = ordered((*self.findings, *more))
         said = (*self.sentences, *(s for s in sentences if s))
         return replace(self, findings=found, sentences=said)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.text}>"
 
     def _repr_html_(self) -> str:
         """Show the verdict in a notebook."""

@@ -15,7 +15,7 @@ from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.rounding import significant
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class AxisVerdict(Verdict):
     """What to conclude on one axis.
 

@@ -197,7 +197,7 @@ class FamilyDefence:
     groups: int
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class FamilyVerdict(Verdict):
     """What to conclude of family, order and position together.
 
