@@ -144,12 +144,19 @@ def _with_headlines(first: Section, beside: Iterable[Any]) -> Section:
 
 
 def chapters(result: Any, *beside: Any) -> list[tuple[str, Callable[[], Section | None]]]:
-    """List what makes the chapters of a page, in reading order, by their names."""
+    """List what makes the chapters of a page, in reading order, by their names.
+
+    Of chapters that several results have, such as maps of their cameras, the first one's stands.
+    """
     views = kind_of(result).views
     pairs = [(result, views.sections)]
     pairs += [(other, kind_of(other).views.sections) for other in beside]
     pairs.append((result, views.appendix))
-    return [(name, partial(make, of)) for of, makers in pairs for name, make in makers.items()]
+    found: dict[str, Callable[[], Section | None]] = {}
+    for of, makers in pairs:
+        for name, make in makers.items():
+            found.setdefault(name, partial(make, of))
+    return list(found.items())
 
 
 def html(page: Page) -> str:
