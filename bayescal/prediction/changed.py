@@ -2,10 +2,12 @@ r"""Whether two calibrations are of the same camera: how far apart they predict,
 
 At K places where both were calibrated, d is the difference of the mean predictions, and E that of
 draws about their means, a draw of the one less a draw of the other. With C the covariance of E the
-statistic is d' C^+ d, over as many directions as the models have parameters; its p-value is the
-share of E whose E' C^+ E is as large. No distribution is assumed: noise levels that are inferred
-give the tails of Student's t. Lenses of many views are compared after the turn of the one frame to
-the other; cameras with a place in the world as they stand, their place included.
+statistic is d' C^+ d, over as many directions as the models have parameters beside the turn that
+poses absorb; its p-value is the share of E whose E' C^+ E is as large. The mean of d'd is that of
+the change and tr C, so that tr C is taken off to say how large the change is. No distribution is
+assumed: noise levels that are inferred give the tails of Student's t. Lenses of many views are
+compared after the turn of the one frame to the other; cameras with a place in the world as they
+stand, their place included.
 """
 
 from __future__ import annotations
@@ -44,7 +46,7 @@ class Change:
     bound : float
         The largest change where both were calibrated, with 95 % probability no more, px.
     rms : float
-        Root mean square of the change there, px.
+        Root mean square of the change there, px, what chance adds taken off; 0 where that is all.
     places : Sights
         Of a grid over the image; `inside` is where both were calibrated.
     shape : tuple of int
@@ -87,7 +89,7 @@ class Change:
             return f"No change is seen ({chance}). If there is one, it is at most {most}."
         return (
             f"The camera has changed, or one calibration is surer than it should be ({chance}): by "
-            f"{significant(self.rms)} px root mean square, and at most {most}."
+            f"about {significant(self.rms)} px root mean square, and at most {most}."
         )
 
     @property
@@ -136,13 +138,13 @@ def changed(
     away = [d - d.mean(axis=0) for d in drawn]
     shift = drawn[1].mean(axis=0) - drawn[0].mean(axis=0)
     by_chance = np.concatenate([rng.permutation(away[1]) - away[0] for _ in range(PAIRED)])
-    n_parameters = max(len(m.parameters.mean) for m in (*one.used[0], *two.used[0]))
-    inverse = _inverse(np.cov(by_chance.T), n_parameters)
+    covariance = np.cov(by_chance.T)
+    inverse = _inverse(covariance, max(_free(m) for m in (*one.used[0], *two.used[0])))
     statistic = float(((shift @ inverse) ** 2).sum())
     p_value = float((((by_chance @ inverse) ** 2).sum(axis=1) >= statistic).mean())
     lengths = np.linalg.norm((shift + by_chance).reshape(len(by_chance), -1, 2), axis=2)
     bound = float(np.quantile(lengths.max(axis=1), 1 - LEVEL))
-    rms = float(np.sqrt((shift**2).sum() / len(at)))
+    rms = float(np.sqrt(max((shift**2).sum() - np.trace(covariance), 0.0) / len(at)))
 
     def over(places: Sights, shape: tuple[int, int], named: Change | None) -> Change:
         moved, sd = _over(one, two, places, rng)
@@ -214,6 +216,12 @@ def _draws(camera: CalibratedCamera, world: Array, rng: np.random.Generator) -> 
         for member, count in zip(members, counts, strict=True)
     ]
     return camera.recorded(np.concatenate(pixels)).reshape(total, -1)
+
+
+def _free(member: Member) -> int:
+    """How many parameters move predictions: of a lens not the turn, which is taken out."""
+    turned = isinstance(member, LensMember) and not member.posed
+    return member.n_lens if turned else len(member.parameters.mean)
 
 
 def _inverse(covariance: Array, rank: int) -> Array:

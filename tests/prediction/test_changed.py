@@ -12,7 +12,9 @@ import bayescal as bc
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.changed import changed
+from bayescal.prediction.lenses import lens_member
 from bayescal.prediction.members import LensMember, Parameters, PolynomialMember
+from bayescal.prediction.noise import NewNoise
 from tests.helpers.cases import camera_points
 
 DOF, POINTS = 12, 15
@@ -47,6 +49,39 @@ def test_false_alarms_are_as_many_as_stated(straight):
         se = np.sqrt(level * (1 - level) / pairs)
         assert abs((found < level).mean() - level) < 4 * se
     assert stats.kstest(found, "uniform").pvalue > 1e-4
+
+
+def of_a_lens(rng: np.random.Generator) -> CalibratedCamera:
+    """Simulate a calibration of radial 2 whose posterior is known: normal."""
+    mean = np.array([np.log(530), np.log(530), 320, 240, -0.28, 0.08])
+    root = np.diag([0.003, 0.003, 1.5, 1.5, 0.01, 0.02])
+    root[1, :2] = 0.003 * 0.99, 0.003 * 0.14
+    draws = mean + root @ rng.standard_normal(6) + rng.standard_normal((300, 6)) @ root.T
+    hull = np.array([[20.0, 20], [620, 20], [620, 460], [20, 460]])
+    columns, rows = np.meshgrid(np.linspace(30, 610, 10), np.linspace(30, 450, 10))
+    noise = NewNoise(np.zeros((300, 2)), np.empty((300, 2, 0)))
+    seen = np.column_stack([columns.ravel(), rows.ravel()])
+    member = lens_member("radial 2", draws, hull, noise, seen)
+    return CalibratedCamera(
+        (member,), (1.0,), 1.0, False, (640, 480), False, hull, 10.0, "made"
+    )  # fmt: skip
+
+
+def test_lenses_that_did_not_change_have_uniform_p_values():
+    """Truth: uniform (Kolmogorov-Smirnov); the turn that is taken out must not count."""
+    rng = np.random.default_rng(1)
+    found = [changed(of_a_lens(rng), of_a_lens(rng)).p_value for _ in range(40)]
+    assert stats.kstest(found, "uniform").pvalue > 0.01
+
+
+def test_the_size_of_a_change_has_no_noise_in_it(straight):
+    """Truth: 6 px of r; squares of the reported sizes average to it, within 4 standard errors."""
+    rng = np.random.default_rng(8)
+    squares = np.array([
+        changed(of_students_t(straight, rng), of_students_t(straight, rng, shift=6.0)).rms ** 2
+        for _ in range(30)
+    ])  # fmt: skip
+    assert abs(squares.mean() - 36) < 4 * squares.std(ddof=1) / np.sqrt(30)
 
 
 def test_a_shift_is_found_and_measured(straight):
