@@ -10,6 +10,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.calibration.observations import Observations
 from bayescal.comparison.lenses.left_out import jackknife
+from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import (
     View,
     deviation,
@@ -17,7 +18,7 @@ from bayescal.comparison.lenses.prediction import (
     observed_sample,
     response,
 )
-from bayescal.comparison.lenses.results import JudgedLens, Place
+from bayescal.comparison.lenses.results import JudgedLens
 
 
 def named_places(size: tuple[float, float]) -> tuple[tuple[str, tuple[float, float]], ...]:

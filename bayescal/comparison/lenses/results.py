@@ -15,6 +15,7 @@ from bayescal.calibration.lens_model import LensModel
 from bayescal.comparison import convert
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
+from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import View
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.settings import Settings
@@ -109,30 +110,6 @@ class Drawn:
     draws: Array
     covariance: Array
     halves: tuple[Array, ...]
-
-
-@dataclass(frozen=True)
-class Place:
-    """Uncertainty of the projection at a place of the image, px.
-
-    Attributes
-    ----------
-    name : str
-    pixel : tuple of float
-    infinity, near : float or None
-        Standard deviation, root mean square of r and c, of a point at infinity and of one at the
-        target's distance; None where the lens sees nothing there.
-    jackknife, halves : float or None
-        The same at infinity from the spread over views: each left out in turn, and the distance
-        of the fits to two halves of the views over the square root of 2.
-    """
-
-    name: str
-    pixel: tuple[float, float]
-    infinity: float | None
-    near: float | None
-    jackknife: float | None
-    halves: float | None
 
 
 @dataclass(frozen=True, eq=False)

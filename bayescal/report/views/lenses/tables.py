@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from bayescal.comparison.leave_one_out import paired_difference
-from bayescal.comparison.lenses.results import JudgedLens, LensComparison, Place
+from bayescal.comparison.lenses.place import Place
+from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.verdict import percent
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.rounding import rounded, significant

@@ -1,0 +1,29 @@
+"""A place of the image, and how sure the projection is there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Place:
+    """Uncertainty of the projection at a place of the image, px.
+
+    Attributes
+    ----------
+    name : str
+    pixel : tuple of float
+    infinity, near : float or None
+        Standard deviation, root mean square of r and c, of a point at infinity and of one at the
+        target's distance; None where the lens sees nothing there.
+    jackknife, halves : float or None
+        The same at infinity from the spread over views: each left out in turn, and the distance
+        of the fits to two halves of the views over the square root of 2.
+    """
+
+    name: str
+    pixel: tuple[float, float]
+    infinity: float | None
+    near: float | None
+    jackknife: float | None
+    halves: float | None
