@@ -220,8 +220,9 @@ def _draws(camera: CalibratedCamera, world: Array, rng: np.random.Generator) -> 
 
 def _free(member: Member) -> int:
     """How many parameters move predictions: of a lens not the turn, which is taken out."""
-    turned = isinstance(member, LensMember) and not member.posed
-    return member.n_lens if turned else len(member.parameters.mean)
+    if isinstance(member, LensMember) and not member.posed:
+        return member.n_lens
+    return len(member.parameters.mean)
 
 
 def _inverse(covariance: Array, rank: int) -> Array:
