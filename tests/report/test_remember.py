@@ -43,6 +43,18 @@ def test_the_gravest_finding_says_what_to_do_and_axes_are_named_where_they_diffe
     )
 
 
+def test_what_limits_a_verdict_is_not_nothing():
+    ahead = limits("leave-one-out", "leave-one-out clearly prefers order 5")
+    near = limits("misfit: neighbours", "residuals of neighbours are alike")
+    assert lines(r=verdict(ahead))[1:] == (
+        "Against it: caveats on leave-one-out.",
+        "Next: read the caveats.",
+    )
+    assert (
+        "caveats on leave-one-out, neighbours (r)" in lines(r=verdict(ahead, near), c=verdict())[1]
+    )
+
+
 def test_what_is_open_asks_for_points():
     assert lines(r=verdict(plausible=(2, 3), chances=(0.6, 0.4)))[1:] == (
         "Against it: order 3 not excluded.",

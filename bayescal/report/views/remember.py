@@ -27,10 +27,11 @@ def remembered(verdicts: Mapping[str, Verdict]) -> Part:
     ]
     against: dict[str, list[str]] = {}
     for name, verdict in verdicts.items():
-        for why in verdict.withheld or _open(verdict):
+        for why in verdict.withheld or (*_open(verdict), *_limits(verdict)):
             against.setdefault(why, []).append(name)
     reasons = [why + _of(names, len(verdicts)) for why, names in against.items()]
-    step = next_step(ordered(f for v in verdicts.values() for f in v.findings))
+    findings = ordered(f for v in verdicts.values() for f in v.findings)
+    step = next_step(findings) or ("read the caveats" if findings else "")
     lines = (
         f"Recommended: {'; '.join(chosen)}.",
         f"Against it: {'; '.join(reasons) or 'nothing that was looked for'}.",
@@ -51,6 +52,12 @@ def _open(verdict: Verdict) -> tuple[str, ...]:
     more = " and more" if len(verdict.plausible) > 4 else ""
     noun = "order " if isinstance(verdict.plausible[1], int) else ""
     return (f"{noun}{others}{more} not excluded",)
+
+
+def _limits(verdict: Verdict) -> tuple[str, ...]:
+    """Name what limits the verdict, where nothing withholds it."""
+    kinds = dict.fromkeys(f.kind.split(": ")[-1] for f in verdict.findings)
+    return (f"caveats on {', '.join(kinds)}",) if kinds else ()
 
 
 def _of(names: list[str], every: int) -> str:
