@@ -29,7 +29,7 @@ def main() -> int:
     flags = ["--no-sandbox"] if os.geteuid() == 0 else []
     with sync_playwright() as playwright, tempfile.TemporaryDirectory() as folder:
         chromium = playwright.chromium.launch(executable_path=browser, args=flags)
-        page = chromium.new_page(viewport={"width": 1024, "height": 1280})
+        page = chromium.new_page(viewport={"width": 1024, "height": 1100})
         _report(page, Path(folder) / "report.html")
         _terminal(page)
         chromium.close()
