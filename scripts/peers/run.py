@@ -23,10 +23,25 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
+from scripts.peers.chains import Emcee, Lmfit, NumPyro, Nutpie
+from scripts.peers.nested import Dynesty, UltraNest
+from scripts.peers.own import Bayescal, Direct, Thousand
 from scripts.peers.posterior import Posterior
-from scripts.peers.samplers import DIRECT, MANY, OURS, PEERS, RHAT
+from scripts.peers.sampled import RHAT, Sampler
 from scripts.validation.sections import publish
 
+OURS, MANY, DIRECT = "bayescal", "bayescal, 1000 walkers", "closed form, drawn from"
+PEERS: dict[str, type[Sampler]] = {
+    OURS: Bayescal,
+    MANY: Thousand,
+    DIRECT: Direct,
+    "nutpie": Nutpie,
+    "NumPyro": NumPyro,
+    "emcee": Emcee,
+    "lmfit": Lmfit,
+    "dynesty": Dynesty,
+    "UltraNest": UltraNest,
+}
 HEADING = "## Against other samplers"
 ORDERS = (1, 3, 5)
 ESS = 4000
@@ -127,8 +142,9 @@ def section(peers: list[str], orders: Sequence[int], runs: int) -> Iterator[str]
         for name in peers:
             found = [measured(name, order, seed) for seed in range(runs)]
             speed[name] = statistics.median(f["second"]["ess"] / f["warm"] for f in found)
-            print(f"peers: order {order}, {name} done", file=sys.stderr)
-            yield row(name, found, speed, exact)
+            told = row(name, found, speed, exact)
+            print(f"order {order}: {told}", file=sys.stderr, flush=True)
+            yield told
         for name, limit in LIMITS.items():
             ratio = speed.get(MANY, math.nan) / speed.get(name, math.nan)
             if order == ORDERS[-1] and ratio < limit:
