@@ -51,6 +51,8 @@ def from_npz(raw: bytes, name: str = "head") -> tuple[dict[str, Any], dict[str, 
         with np.load(io.BytesIO(raw), allow_pickle=False) as kept:
             arrays = {key: kept[key] for key in kept.files}
         head = json.loads(arrays.pop(name).tobytes())
+    except KeyError as error:
+        raise ValueError(f"lacks {error}") from None
     except DAMAGE as error:
         raise ValueError(" ".join(str(error).split()) or "is cut off") from None
     return head, arrays

@@ -5,6 +5,9 @@ import statistics
 import subprocess
 import sys
 import time
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 PYTHON = sys.executable
 COMPARISONS = [
@@ -21,6 +24,18 @@ COMPARISONS = [
         4.0,
     ),
 ]
+
+
+# Runs, by what makes them, and a figure of each.
+RUNS = {
+    "orders, defended": (["compare", "--defend"], ["loo", "--axis", "r"]),
+    "families": (
+        ["compare", "--family", "separable,pinhole", "--position", "stated,free"],
+        ["correlation"],
+    ),
+    "bad points": (["outliers"], ["bad-points", "--axis", "r"]),
+}
+MATPLOTLIB = [PYTHON, "-c", "import matplotlib.figure, matplotlib.backends.backend_svg"]
 
 
 def spent(command: list[str]) -> tuple[float, float]:
@@ -74,12 +89,31 @@ def predictions(points: int = 20_000) -> str:
     )
 
 
+def reopened(folder: Path) -> Iterator[tuple[str, list[str], list[str], float]]:
+    """Make runs; compare reopening each, and a figure of it, with importing matplotlib."""
+    for number, (name, (made, figure)) in enumerate(RUNS.items()):
+        run = str(folder / str(number))
+        spent([PYTHON, "-m", "bayescal", *made, "--orders", "1-3", "--out", run, "--quiet"])
+        opening = [PYTHON, "-c", f"import bayescal; bayescal.open_run({run!r})"]
+        yield f"reopening a run of {name} over importing matplotlib", opening, MATPLOTLIB, 5.0
+        plotting = [PYTHON, "-m", "bayescal", "plot", figure[0], run, *figure[1:], "--force"]
+        plotting += ["--out", str(folder / "figure.svg")]
+        yield f"`plot {figure[0]}` of it over importing matplotlib", plotting, MATPLOTLIB, 8.0
+
+
 def main() -> None:
     """Print a row per comparison."""
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 7
+    with TemporaryDirectory() as folder:
+        compared(reopened(Path(folder)), runs)
     print(predictions())
     print(report())
-    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 7
-    for name, ours, peer, limit in COMPARISONS:
+    compared(COMPARISONS, runs)
+
+
+def compared(commands: Iterable[tuple[str, list[str], list[str], float]], runs: int) -> None:
+    """Print the ratio of each command's processor time to its peer's."""
+    for name, ours, peer, limit in commands:
         for command in (ours, peer):
             spent(command)  # warm the disk's cache
         pairs = [(spent(ours)[0], spent(peer)[0]) for _ in range(runs)]

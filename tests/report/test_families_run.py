@@ -17,7 +17,7 @@ import pytest
 import bayescal as bc
 from bayescal.comparison.families import free, joint, models
 from bayescal.comparison.families.results import FamilyComparison
-from bayescal.inference.arviz_bridge import parse_netcdf
+from bayescal.inference.arviz_bridge import parse_netcdf, write_netcdf
 from bayescal.points.camera import StatedCamera
 from bayescal.report.document.families import families_document
 from bayescal.report.document.shared import dumps, schema
@@ -352,3 +352,14 @@ def test_what_a_fit_prints_stands_in_its_document(tmp_path: Path) -> None:
         for shown, value in zip((mean, sd, low, high), said, strict=True):
             digits = len(shown.partition(".")[2])
             assert float(shown) == pytest.approx(value, abs=0.5000001 * 10**-digits)
+
+
+def test_draws_of_another_density_are_refused(copy: Path) -> None:
+    """Hashes forged: the density at a few draws is not the one that was kept of them."""
+    path = copy / "draws" / "pinhole-0-free.nc"
+    draws = parse_netcdf(path.read_bytes())
+    draws.groups["sample_stats"]["lp"] = draws.groups["sample_stats"]["lp"] + 0.01
+    write_netcdf(path, draws)
+    forge(copy, f"draws/{path.name}")
+    with pytest.raises(bc.InputError, match=r"pinhole-0-free\.nc: the density of its draws is not"):
+        bc.open_run(copy)

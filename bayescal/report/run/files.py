@@ -203,6 +203,11 @@ class RunFiles:
         except ValueError as error:
             raise InputError(f"{self.folder / DERIVED}: {error}; {self.again}") from None
 
+    @property
+    def derives(self) -> bool:
+        """Whether it keeps what took long, of these points and settings."""
+        return bool(self._derived.values)
+
     @cached_property
     def _derived(self) -> Encoded:
         none = Encoded({}, np.empty(0))
