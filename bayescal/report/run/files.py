@@ -196,10 +196,11 @@ class RunFiles:
         Nor where it was made of other points, another camera, other settings or by another
         version: then it is computed again.
         """
+        kept = self._derived
+        if name not in kept:
+            return None
         try:
-            if name not in self._derived:
-                return None
-            return (self._derived.value(name, kind),)
+            return (kept.value(name, kind),)
         except ValueError as error:
             raise InputError(f"{self.folder / DERIVED}: {error}; {self.again}") from None
 
@@ -213,8 +214,13 @@ class RunFiles:
         none = Encoded({}, np.empty(0))
         if DERIVED not in self.manifest["files"]:
             return none
-        found = Encoded.parse(self.content(DERIVED))
-        made_of_these = MADE_OF in found and found.value(MADE_OF, str) == made_of(self.folder)
+        raw = self.content(DERIVED)
+        try:
+            found = Encoded.parse(raw)
+            made_of_these = MADE_OF in found and found.value(MADE_OF, str) == made_of(self.folder)
+        except ValueError as error:
+            where = self.folder / DERIVED
+            raise InputError(f"{where}: is damaged: {error}; {self.again}") from None
         return found if made_of_these else none
 
     def keeps_draws(self, name: str) -> bool:

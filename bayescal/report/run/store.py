@@ -38,10 +38,11 @@ class StoredDraws(Store):
         name = key.file(self.usual)
         if beside and not self.run.keeps_draws(name):
             return None
+        checked = self.run.derives
 
         def unpack(draws: Draws) -> Kept:
             found = unpacked(draws, model)
-            if self.run.derives and not isinstance(found, WeightedDraws):
+            if checked and not isinstance(found, WeightedDraws):
                 _spot_check(model, found.chain)
             return found
 
