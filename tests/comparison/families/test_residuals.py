@@ -92,7 +92,7 @@ def test_neighbours_rarely_alarm_by_chance(n):
 @pytest.mark.parametrize("skewness", [-0.8, -1e-4, 0.3, 1.5])
 def test_the_upper_tail_is_pearsons(skewness):
     for z in (-1.5, 0.0, 2.0, 4.0):
-        assert _upper_tail(z, skewness) == pytest.approx(pearson3.sf(z, skewness), rel=1e-3)
+        assert _upper_tail(z, skewness) == pytest.approx(pearson3.sf(z, skewness), rel=2e-3)
 
 
 def block_of(points):
