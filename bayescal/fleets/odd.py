@@ -14,12 +14,14 @@ from bayescal.arrays import Array
 from bayescal.fleets.record import Choice, Estimate, Record
 from bayescal.rounding import rounded, significant
 
-LEVEL = 0.05  # chance that anything at all is called odd in a fleet without odd cameras
+# Chance that anything at all is called odd in a fleet without odd cameras: half of it for scores,
+# half for models.
+LEVEL = 0.05
 FEWEST = 8  # cameras that have a spread
 # Values further from the median than so many median absolute deviations have no weight.
 REACH = 9.0
 # Degrees of freedom of the scale per camera, so that LEVEL holds from 8 cameras on (by simulation).
-FREEDOM = 0.6
+FREEDOM = 0.5
 SIGMA = "sigma"
 FAR = 40.0  # a score beyond which only that is said
 
@@ -142,7 +144,7 @@ def biweight_scale(x: Array) -> float | None:
 
 
 def score_limit(found: Sequence[Spread]) -> float:
-    """Score beyond which a camera is odd: of all scores of a normal fleet one is with 5 %.
+    """Score beyond which a camera is odd: of all scores of a normal fleet one is with LEVEL / 2.
 
     Student's t, since the fleet's scale is itself estimated; Bonferroni over all scores.
     """
@@ -150,13 +152,13 @@ def score_limit(found: Sequence[Spread]) -> float:
     if not count:
         return math.inf
     fewest = min(len(s.values) for s in found if s.scale is not None)
-    return float(stats.t.isf(LEVEL / (2 * count), FREEDOM * (fewest - 1)))
+    return float(stats.t.isf(LEVEL / 2 / (2 * count), FREEDOM * (fewest - 1)))
 
 
 def oddities(records: Mapping[str, Record], found: Sequence[Spread]) -> tuple[Oddity, ...]:
     """Say which cameras are odd and why, the oddest first."""
     limit, out = score_limit(found), []
-    level = LEVEL / max(sum(len(record.choices) for record in records.values()), 1)
+    level = LEVEL / 2 / max(sum(len(record.choices) for record in records.values()), 1)
     for spread in found:
         for i in np.flatnonzero(np.abs(spread.scores) > limit):
             out.append(_far(spread, int(i)))

@@ -7,10 +7,14 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from bayescal.comparison.lenses.results import LensComparison
+import numpy as np
+
+from bayescal.calibration.laplace import degrees
+from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.results import AxisComparison, Comparison
 
 LENS = "lens"
+DRAWS = 4000  # of the normals about a lens's modes
 
 
 @dataclass(frozen=True)
@@ -147,24 +151,29 @@ def _axis(axis: AxisComparison) -> Choice:
 
 
 def _lens(found: LensComparison) -> Choice:
-    """Keep lenses by least squares, with the posterior's standard deviations of the best."""
-    best, diagonal = found.best, found.setting.data.diagonal
-    sampled = {p.name: p for p in found.posterior.parameters}
-    parameters = {}
-    for lens in found.lenses:
-        values = lens.model.report(lens.fit.x, diagonal).tolist()
-        of_best = sampled if lens is best else {}
-        parameters[lens.name] = {
-            name: Estimate(value, of_best[name].sd if name in of_best else None)
-            for name, value in zip(lens.model.names, values, strict=True)
-        }
-    verdict = found.verdict
+    """Keep lenses as their most probable error model has them, and sigma as the RMS tells it."""
+    best, data, verdict = found.best, found.setting.data, found.verdict
+    parameters = {lens.name: _estimates(lens, data.diagonal) for lens in found.lenses}
+    dof = degrees(data) - best.model.dimension
+    sigma = math.sqrt(best.fit.sum_of_squares / dof) if dof > 0 else 0.0
     return Choice(
         LENS,
         best.name,
         verdict.status,
         verdict.plausible,
         {lens.name: lens.probability for lens in found.lenses},
-        Estimate(best.rms / math.sqrt(2), None),
+        Estimate(sigma, sigma / math.sqrt(2 * dof) if dof > 0 else None),
         parameters,
     )
+
+
+def _estimates(lens: JudgedLens, diagonal: float) -> dict[str, Estimate]:
+    """Mean and sd of a lens's parameters, by draws of the normals about its modes."""
+    problem = lens.evidence.problem
+    found = problem.laplace
+    mean, covariance = problem.x + found.mean, found.covariance
+    rng = np.random.default_rng(0)
+    draws = rng.multivariate_normal(mean, covariance, DRAWS, method="cholesky")
+    reported = problem.model.report(draws, diagonal)
+    each = zip(problem.model.names, reported.mean(axis=0), reported.std(axis=0), strict=True)
+    return {name: Estimate(float(value), float(sd)) for name, value, sd in each}

@@ -82,6 +82,34 @@ def test_false_alarms_in_fleets_of_equal_cameras(n):
     assert alarms / sets <= LEVEL + 3 * math.sqrt(LEVEL * (1 - LEVEL) / sets)
 
 
+def test_cameras_of_few_views_are_not_odd_for_it():
+    """Truth: 0.1 px everywhere; 27 cameras of 1314 degrees of freedom, 3 of 93."""
+    rng, sets, alarms = np.random.default_rng(6), 300, 0
+    for _ in range(sets):
+        records = {}
+        for i, dof in enumerate([1314] * 27 + [93] * 3):
+            sigma = 0.1 * math.sqrt(rng.chisquare(dof) / dof)
+            chances = {"a": 1.0}
+            estimate = Estimate(sigma, sigma / math.sqrt(2 * dof))
+            one = Choice("lens", "a", "decided", ("a",), chances, estimate, {"a": {}})
+            records[f"{i}"] = Record(dof, 0, True, (one,))
+        alarms += bool(oddities(records, spreads(records)))
+    assert alarms / sets <= LEVEL + 3 * math.sqrt(LEVEL * (1 - LEVEL) / sets)
+
+
+def test_a_lens_is_kept_with_sds_and_an_unbiased_sigma(lens_comparison):
+    """Truth: the posterior by emcee, within 5 Monte Carlo errors and the least-squares sigma."""
+    (kept,) = Record.of_lenses(lens_comparison).choices
+    best, views = lens_comparison.best, lens_comparison.views
+    dof = 2 * views.n_points - 6 * len(views.names) - best.model.dimension
+    assert kept.sigma.value == pytest.approx(math.sqrt(best.fit.sum_of_squares / dof))
+    for parameter in lens_comparison.posterior.parameters:
+        if parameter.name in kept.parameters[best.name]:
+            estimate = kept.parameters[best.name][parameter.name]
+            assert estimate.sd == pytest.approx(parameter.sd, rel=0.15)
+            assert abs(estimate.value - parameter.mean) < 0.2 * parameter.sd
+
+
 def test_a_camera_that_is_off_is_found():
     records = fleet(np.random.default_rng(4), 40)
     records["off"] = Record(57, 0, True, (choice([0] * 3 + [12.0] + [0] * 4),))
