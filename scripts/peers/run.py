@@ -121,7 +121,7 @@ def section(peers: list[str], orders: Sequence[int], runs: int) -> Iterator[str]
         "time, medians. ESS: the worst parameter's,",
         f"bulk or tail. Time to ESS {ESS} with R-hat < {RHAT}: cold, from the start of Python, "
         "imports and compilation included; warm, a second",
-        "run in the same process; with `~` scaled from a run that has a length of its own. "
+        "run in the same process; with `~` of a run that has a length of its own, scaled where short. "
         "Evidence: its error against brute force, and the",
         "error that was stated.",
         "",
@@ -163,7 +163,7 @@ def row(name: str, found: list[dict[str, Any]], speed: dict[str, float], exact: 
     mark = "~" if decides else ""
     times = []
     for cost, run in (("warm", "second"), ("cold", "first")):
-        needed = [f[cost] * (ESS / f[run]["ess"] if decides else 1) for f in found]
+        needed = [f[cost] * (max(ESS / f[run]["ess"], 1) if decides else 1) for f in found]
         reached = decides or all(f[run]["ess"] >= ESS and f[run]["rhat"] < RHAT for f in found)
         times.append(f"{mark}{median(needed):.3g}" if reached else "not reached")
     rhat = "" if decides else f"{max(f['second']['rhat'] for f in found):.3f}"
