@@ -121,7 +121,7 @@ def section(peers: list[str], orders: Sequence[int], runs: int) -> Iterator[str]
         "time, medians. ESS: the worst parameter's,",
         f"bulk or tail. Time to ESS {ESS} with R-hat < {RHAT}: cold, from the start of Python, "
         "imports and compilation included; warm, a second",
-        "run in the same process; with `~` of a run that has a length of its own, scaled where short. "
+        "run in the same process; with `~` of a run whose length is its own, scaled if short. "
         "Evidence: its error against brute force, and the",
         "error that was stated.",
         "",
