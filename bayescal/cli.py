@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable, Sequence
 from importlib import import_module
 from typing import Any, NoReturn
 
-from bayescal.commands.output import BAD_INPUT, DONE
-from bayescal.commands.streams import discard, prepared
+from bayescal.commands.shared.output import BAD_INPUT, DONE
+from bayescal.commands.shared.streams import discard, prepared
 from bayescal.errors import BayescalError
 from bayescal.version import __version__
 

@@ -31,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import ANCHOR, POSE
-from bayescal.density.gaussian_pinhole import GaussianPinhole
+from bayescal.density.pinholes.gaussian import GaussianPinhole
 from bayescal.inference.diagnostics import diagnose
 from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.camera import log_normal

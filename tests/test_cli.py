@@ -16,7 +16,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import COMMANDS
-from bayescal.commands.output import deliver
+from bayescal.commands.shared.output import deliver
 from bayescal.comparison.results import Comparison
 from tests.helpers.command import apart, environment, here
 from tests.helpers.points_files import rows, text, write

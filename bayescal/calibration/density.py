@@ -26,7 +26,7 @@ from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import Reduced, Views, eliminate, pose_response, reduce
 from bayescal.calibration.stacking import Poses, Stacked, residuals, stacked
 from bayescal.calibration.strengths import strengths
-from bayescal.inference.t_mixture import cholesky
+from bayescal.inference.proposals.t_mixture import cholesky
 from bayescal.prior.strength import Strength
 
 AT_A_TIME = 100_000  # numbers of residuals

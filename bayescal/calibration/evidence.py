@@ -10,9 +10,9 @@ from scipy.special import logsumexp
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
-from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode
-from bayescal.inference.t_mixture import TMixture, cholesky
+from bayescal.inference.proposals.laplace_mixture import mixture_about
+from bayescal.inference.proposals.t_mixture import TMixture, cholesky
 
 SETTLE_STEPS = 6
 NEAR = 1e-3  # posterior deviations: a reference this near its mode is settled

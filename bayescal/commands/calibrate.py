@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bayescal.commands import options as shared
-from bayescal.commands.output import add_output, check_file, check_output, code_of, publish
-from bayescal.commands.view_options import add_views, views
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.output import add_output, check_file, check_output, code_of, publish
+from bayescal.commands.shared.view_options import add_views, views
 
 if TYPE_CHECKING:
     from bayescal.comparison.lenses.results import LensComparison

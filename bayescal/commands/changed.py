@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from bayescal.commands.camera import add_average, add_output, check_rows, publish_rows
-from bayescal.commands.output import DONE
+from bayescal.commands.shared.camera import add_average, add_output, check_rows, publish_rows
+from bayescal.commands.shared.output import DONE
 from bayescal.errors import InputError
 
 DESCRIPTION = (

@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from bayescal.commands import options as shared
-from bayescal.commands.families import add_families, families_of
-from bayescal.commands.many import many_or_few
-from bayescal.commands.output import add_output, check_output, deliver
-from bayescal.commands.resume import resumable
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.families import add_families, families_of
+from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.output import add_output, check_output, deliver
+from bayescal.commands.shared.resume import resumable
 from bayescal.errors import InputError
 
 DESCRIPTION = "Compare polynomial orders of r(x/z) and c(y/z), each sampled with emcee."

@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bayescal.commands import options as shared
-from bayescal.commands.output import DONE, add_progress
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.output import DONE, add_progress
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:

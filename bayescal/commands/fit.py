@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from bayescal.commands import options as shared
-from bayescal.commands.families import add_families
-from bayescal.commands.many import many_or_few
-from bayescal.commands.output import add_output, check_file, check_output, deliver
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.families import add_families
+from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.output import add_output, check_file, check_output, deliver
 from bayescal.errors import InputError
 
 DESCRIPTION = "Fit one order per axis, sampled with emcee, and print the model in full."

@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bayescal.commands import options as shared
-from bayescal.commands import view_options
 from bayescal.commands.calibrate import add_lenses
-from bayescal.commands.output import DONE, NOT_SOUND, add_progress
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared import view_options
+from bayescal.commands.shared.output import DONE, NOT_SOUND, add_progress
 from bayescal.errors import InputError
 from bayescal.rounding import counted
 

@@ -5,9 +5,15 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
-from bayescal.commands.camera import add_camera, add_rows, camera_of, check_rows, publish_rows
-from bayescal.commands.camera import read_rows as read_table
-from bayescal.commands.output import DONE
+from bayescal.commands.shared.camera import (
+    add_camera,
+    add_rows,
+    camera_of,
+    check_rows,
+    publish_rows,
+)
+from bayescal.commands.shared.camera import read_rows as read_table
+from bayescal.commands.shared.output import DONE
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:

@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from bayescal.commands.camera import add_camera, add_output, camera_of, check_rows, publish_rows
-from bayescal.commands.output import DONE
+from bayescal.commands.shared.camera import (
+    add_camera,
+    add_output,
+    camera_of,
+    check_rows,
+    publish_rows,
+)
+from bayescal.commands.shared.output import DONE
 from bayescal.errors import InputError
 
 DESCRIPTION = (

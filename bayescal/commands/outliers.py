@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import argparse
 
-from bayescal.commands import options as shared
-from bayescal.commands.output import add_output, check_output, deliver
-from bayescal.commands.resume import resumable
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.output import add_output, check_output, deliver
+from bayescal.commands.shared.resume import resumable
 
 DESCRIPTION = (
     "Measure every point on each axis (residual, leverage, Cook's distance, chi-squared rejection, "

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bayescal.commands import options as shared
-from bayescal.commands.many import many_or_few
-from bayescal.commands.output import DONE, add_progress, check_file, code_of
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.output import DONE, add_progress, check_file, code_of
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import (
     CAMERA,

@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from bayescal.commands.camera import add_camera, add_rows, camera_of, check_rows, publish_rows
-from bayescal.commands.camera import read_rows as read_table
-from bayescal.commands.output import DONE
+from bayescal.commands.shared.camera import (
+    add_camera,
+    add_rows,
+    camera_of,
+    check_rows,
+    publish_rows,
+)
+from bayescal.commands.shared.camera import read_rows as read_table
+from bayescal.commands.shared.output import DONE
 
 DESCRIPTION = (
     "Predict pixels of world points by a calibrated camera: mean and sd of the mapping, sd of a "

@@ -6,11 +6,11 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from bayescal.commands import options as shared
-from bayescal.commands.families import add_families, families_of
-from bayescal.commands.many import many_or_few
-from bayescal.commands.output import add_progress, check_file, code_of
-from bayescal.commands.streams import print_utf8
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.families import add_families, families_of
+from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.output import add_progress, check_file, code_of
+from bayescal.commands.shared.streams import print_utf8
 from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:

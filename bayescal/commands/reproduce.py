@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from bayescal.commands import options as shared
-from bayescal.commands.output import DONE, add_output, check_output, publish
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.output import DONE, add_output, check_output, publish
 
 DESCRIPTION = (
     "Least squares of orders 1-5 of r and c as the thesis writes them (eq. 33-53) and as its "

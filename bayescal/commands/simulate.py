@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bayescal.commands.output import DONE, check_file
+from bayescal.commands.shared.output import DONE, check_file
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bayescal.commands import options as shared
-from bayescal.commands.output import DONE, add_progress
+from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.output import DONE, add_progress
 from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def _pixels(options: argparse.Namespace, real: Seeing, field: Field) -> int:
     import sys
 
     from bayescal.cameras.undistortion import ideal_camera
-    from bayescal.commands.camera import read_rows
+    from bayescal.commands.shared.camera import read_rows
     from bayescal.files import check_free, write_whole
     from bayescal.prediction.columns import undistorted_columns
     from bayescal.prediction.undistorting import Undistortion

@@ -12,20 +12,20 @@ from threadpoolctl import threadpool_limits
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy.block import adequacy
 from bayescal.comparison.adequacy.outcome import AdequacyTest
-from bayescal.comparison.averaging import averaged_over, averaged_words
-from bayescal.comparison.axis import Axis
+from bayescal.comparison.criteria.goodness import NO_REFERENCE, reference_sigma
 from bayescal.comparison.findings.case import Case, best_of
 from bayescal.comparison.findings.kinds import findings
-from bayescal.comparison.goodness import NO_REFERENCE, reference_sigma
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.key import POLYNOMIAL, Key
 from bayescal.comparison.notes import notes
-from bayescal.comparison.order_result import OrderResult
-from bayescal.comparison.orders import order_of
+from bayescal.comparison.orders.averaging import averaged_over, averaged_words
+from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.candidates import order_of
+from bayescal.comparison.orders.result import OrderResult
+from bayescal.comparison.orders.sufficiency import sufficiency
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.comparison.settings import Settings, prior_rule
 from bayescal.comparison.store import Store
-from bayescal.comparison.sufficiency import sufficiency
 from bayescal.comparison.verdict import AxisVerdict, verdict_on
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.gaussian import GAUSSIAN

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.comparison.pointwise import gaussian_density
+from bayescal.comparison.criteria.pointwise import gaussian_density
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import arviz_object
 

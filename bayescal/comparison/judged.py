@@ -13,7 +13,7 @@ from bayescal.comparison.evidence import probabilities
 from bayescal.comparison.key import Key
 
 if TYPE_CHECKING:  # a hint, which samples nothing, does not pay for what is sampled
-    from bayescal.comparison.leave_one_out import LeaveOneOut
+    from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
     from bayescal.inference.posterior import Posterior
 
 

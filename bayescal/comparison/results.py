@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison import convert
-from bayescal.comparison.averaging import AveragedPrediction
+from bayescal.comparison.criteria.goodness import ReferenceSigma
 from bayescal.comparison.findings.surroundings import another_model
-from bayescal.comparison.goodness import ReferenceSigma
-from bayescal.comparison.order_result import OrderResult as OrderResult
+from bayescal.comparison.orders.averaging import AveragedPrediction
+from bayescal.comparison.orders.result import OrderResult as OrderResult
 from bayescal.comparison.verdict import AxisVerdict, percent
 from bayescal.markup import bullets, table
 from bayescal.noise.gaussian import GAUSSIAN

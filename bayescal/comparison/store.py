@@ -9,7 +9,7 @@ from bayescal.comparison.key import Key
 from bayescal.linear.model import LinearModel
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
-    from bayescal.comparison.leave_one_out import LeaveOneOut
+    from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
     from bayescal.inference.checked_posterior import CheckedPosterior
     from bayescal.inference.sampled_model import SampledModel
     from bayescal.inference.sampled_posterior import SampledPosterior
@@ -106,6 +106,6 @@ class Store:
         self, key: Key, compute: Callable[[], LeaveOneOut | None], how: str = ""
     ) -> LeaveOneOut | None:
         """Leave-one-out of a model, once."""
-        from bayescal.comparison.leave_one_out import LeaveOneOut
+        from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 
         return self.once(f"{key.file()} leave-one-out{how}", LeaveOneOut | None, compute)

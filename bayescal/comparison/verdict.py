@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from bayescal.comparison.conclusion import Verdict
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.evidence import plausible_set, strength
 from bayescal.comparison.findings.finding import Finding, ordered
-from bayescal.comparison.order_result import OrderResult
-from bayescal.comparison.sufficiency import Sufficiency
+from bayescal.comparison.orders.result import OrderResult
+from bayescal.comparison.orders.sufficiency import Sufficiency
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.rounding import significant
 

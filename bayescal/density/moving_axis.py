@@ -233,8 +233,8 @@ class MovingAxis:
     def log_left_out(self, position: Array, log_sigma: Array, log_tau: Array) -> Array:
         """Log density of each pixel given all others and the draw, ``(m, n_points)``.
 
-        The coefficients integrate out of it (`bayescal.comparison.leave_one_out`); -inf where
-        nothing but the point itself determines its prediction.
+        The coefficients integrate out of it (`bayescal.comparison.criteria.leave_one_out`); -inf
+        where nothing but the point itself determines its prediction.
         """
         design, t = self.design(position), self.data.t
         sd = np.ones(len(t)) if self.data.sd is None else self.data.sd

@@ -1,1 +1,1 @@
-"""From a model and data to a posterior: least squares, closed form, sampling, diagnostics."""
+"""Samples, weighs and climbs any density, and checks what it has drawn."""

@@ -9,9 +9,9 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.inference.chain import Chain
-from bayescal.inference.coordinates import Whitening
 from bayescal.inference.posterior import ParameterSummary, Summarised, summarise
-from bayescal.inference.proposal import LinearProposal, Proposal
+from bayescal.inference.proposals.coordinates import Whitening
+from bayescal.inference.proposals.proposal import LinearProposal, Proposal
 from bayescal.inference.target import log_prob
 from bayescal.linear.closed_form import ExactPosterior, exact_posterior
 from bayescal.linear.model import LinearModel

@@ -16,9 +16,9 @@ from emcee.moves import DEMove, Move
 
 from bayescal.arrays import Array
 from bayescal.inference.chain import Chain
-from bayescal.inference.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.move import IndependenceMove
-from bayescal.inference.proposal import Proposal
+from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
+from bayescal.inference.proposals.proposal import Proposal
 from bayescal.inference.sampling import (
     BURN_IN,
     MAX_EXTENSIONS,

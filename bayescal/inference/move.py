@@ -8,7 +8,7 @@ import numpy as np
 from emcee.moves import Move
 
 from bayescal.arrays import Array
-from bayescal.inference.proposal import Proposal
+from bayescal.inference.proposals.proposal import Proposal
 
 # Proposals don't depend on the state, so they are drawn, and their densities evaluated, for
 # several steps at a time: the cost of many small array operations falls by this factor. More

@@ -11,10 +11,10 @@ from emcee.autocorr import auto_window
 
 from bayescal.arrays import Array
 from bayescal.inference.chain import Chain
-from bayescal.inference.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.diagnostics import autocovariance, diagnose
 from bayescal.inference.move import IndependenceMove
-from bayescal.inference.proposal import Proposal
+from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
+from bayescal.inference.proposals.proposal import Proposal
 
 WALKERS = 64
 MIN_STEPS = 66

@@ -13,7 +13,7 @@ from bayescal.cameras.pose import rotation_vectors
 from bayescal.comparison.families.results import FamilyComparison, JointModel
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.density.free_position import FreePositionModel
-from bayescal.density.pinhole import PinholeModel
+from bayescal.density.pinholes.pinhole import PinholeModel
 from bayescal.density.robust_pair import RobustPair
 from bayescal.density.robust_position import RobustFreePosition
 from bayescal.errors import InputError

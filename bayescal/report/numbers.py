@@ -10,8 +10,8 @@ from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
 from bayescal.comparison.families.exact_parameters import exact_covariance
+from bayescal.comparison.orders.weak import correlation
 from bayescal.comparison.results import OrderResult
-from bayescal.comparison.weak import correlation
 
 if TYPE_CHECKING:  # Gaussian noise on one axis does not pay for what it does not need
     from bayescal.comparison.families.results import JointModel

@@ -17,7 +17,7 @@ from bayescal.cameras.pinhole import ANCHOR, POSE
 from bayescal.cameras.pose import rotation_vectors
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.key import PINHOLE
-from bayescal.density.pinhole import PinholeModel
+from bayescal.density.pinholes.pinhole import PinholeModel
 from bayescal.errors import InputError
 from bayescal.files import write_whole
 from bayescal.points.setup import Setup

@@ -11,7 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array, IntArray, frozen
-from bayescal.comparison.criteria import criteria_from
+from bayescal.comparison.criteria.information import criteria_from
 from bayescal.comparison.outliers.rejection import RejectionRule, point_tests, reject
 from bayescal.comparison.settings import DEFAULT_ORDERS, checked_orders
 from bayescal.errors import InputError

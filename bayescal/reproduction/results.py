@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from bayescal.arrays import Array, IntArray
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.outliers.rejection import PointTests, Rejection, RejectionRule
 from bayescal.linear.design_fit import DesignFit
 from bayescal.points.correspondences import Correspondences

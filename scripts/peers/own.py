@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from bayescal.inference.checked_posterior import sample_posterior
-from bayescal.inference.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.move import IndependenceMove
-from bayescal.inference.proposal import LinearProposal
+from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
+from bayescal.inference.proposals.proposal import LinearProposal
 from bayescal.inference.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.target import log_prob
 from bayescal.linear.closed_form import exact_posterior

@@ -12,7 +12,7 @@ from scipy.special import ndtri
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.comparison.axis import Axis
+from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.settings import Settings
 from bayescal.linear.model import LinearModel
 from bayescal.polynomials import separable

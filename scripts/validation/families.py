@@ -25,12 +25,12 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import PinholeGeometry
-from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.joint_data import JointData
-from bayescal.density.pinhole_coordinates import suited
-from bayescal.density.pinhole_fit import fit_pinhole
-from bayescal.density.pinhole_proposal import ladder, weighted_evidence
-from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.density.pinholes.coordinates import suited
+from bayescal.density.pinholes.fit import fit_pinhole
+from bayescal.density.pinholes.gaussian import GaussianPinhole
+from bayescal.density.pinholes.proposal import ladder, weighted_evidence
+from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.sampled_posterior import Guess, SampledPosterior, sample_model
 from bayescal.noise.level import NoiseLevel
 from bayescal.points.camera import StatedCamera

@@ -11,7 +11,7 @@ from scipy.special import ndtri
 
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import POSE
-from bayescal.density.gaussian_pinhole import GaussianPinhole
+from bayescal.density.pinholes.gaussian import GaussianPinhole
 from bayescal.prior.amplitudes import tau_bounds
 
 LIVE = 1000

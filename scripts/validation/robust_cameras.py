@@ -9,7 +9,7 @@ import numpy as np
 import bayescal as bc
 from bayescal.comparison.families.models import noise_levels, robust_pinhole
 from bayescal.comparison.settings import Settings
-from bayescal.density.robust_pinhole import RobustPinhole
+from bayescal.density.pinholes.robust import RobustPinhole
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES

@@ -18,7 +18,7 @@ from scipy.special import gammaincinv, logsumexp, ndtr, softmax
 import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import POSE
-from bayescal.density.robust_pinhole import RobustPinhole
+from bayescal.density.pinholes.robust import RobustPinhole
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.noise.student_t import RATE, SHAPE
 from bayescal.points.camera import StatedCamera

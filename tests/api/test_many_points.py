@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.commands.progress import Progress
+from bayescal.commands.shared.progress import Progress
 from bayescal.comparison.analysis import analyse_points
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings

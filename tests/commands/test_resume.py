@@ -97,7 +97,7 @@ def test_families_and_bad_points_are_kept_too(tmp_path: Path) -> None:
     ):
         run = tmp_path / command[0]
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("bayescal.commands.resume.Path.with_name", _elsewhere(tmp_path))
+            patch.setattr("bayescal.commands.shared.resume.Path.with_name", _elsewhere(tmp_path))
             patch.setattr("bayescal.report.run.unfinished.clear", lambda _: None)
             assert here(*command, *asked, run).code == 0
         assert list((tmp_path / "kept" / run.name).glob("*.nc")), command

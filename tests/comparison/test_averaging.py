@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import legvander
 
-from bayescal.comparison.averaging import PLACES, averaged_prediction
 from bayescal.comparison.evidence import probabilities
+from bayescal.comparison.orders.averaging import PLACES, averaged_prediction
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.differences import amplitude_draws
 from tests.helpers.problems import make_model, thesis_axis

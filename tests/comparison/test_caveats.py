@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.axis import Axis
+from bayescal.comparison.criteria.goodness import NO_REFERENCE
 from bayescal.comparison.findings.case import Case
 from bayescal.comparison.findings.sampling import sampling
-from bayescal.comparison.goodness import NO_REFERENCE
+from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.results import OrderResult
 from bayescal.inference.checked_posterior import sample_posterior
 from bayescal.linear.closed_form import exact_posterior

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.psis import thinned
+from bayescal.comparison.criteria.psis import thinned
 from bayescal.inference.arviz_bridge import psis_loo
 
 with warnings.catch_warnings():

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from scipy import stats
 
-from bayescal.comparison.criteria import criteria
+from bayescal.comparison.criteria.information import criteria
 from bayescal.linear.least_squares import factorise, solve
 from bayescal.noise.level import NoiseLevel
 from tests.helpers.problems import THESIS_MODELS, legendre_columns, make_axis, thesis_axis

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
+from bayescal.comparison.criteria.goodness import goodness_of_fit, reference_sigma
 from bayescal.linear.least_squares import factorise, solve
 from bayescal.noise.level import NoiseLevel
 from tests.helpers.problems import make_axis, thesis_axis

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.comparison.leave_one_out import leave_one_out, paired_difference
+from bayescal.comparison.criteria.leave_one_out import leave_one_out, paired_difference
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.model import LinearModel

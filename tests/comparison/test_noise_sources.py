@@ -15,8 +15,8 @@ from scipy import stats
 from scipy.special import logsumexp
 
 import bayescal as bc
-from bayescal.comparison.criteria import criteria
-from bayescal.comparison.goodness import goodness_of_fit, reference_sigma
+from bayescal.comparison.criteria.goodness import goodness_of_fit, reference_sigma
+from bayescal.comparison.criteria.information import criteria
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.least_squares import factorise, solve
 from bayescal.linear.model import LinearModel

@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.special import softmax
 
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.evidence import plausible_set, probabilities, strength
 from bayescal.comparison.findings.finding import limits, overturns, wrong_model
-from bayescal.comparison.sufficiency import Difference, Sufficiency
+from bayescal.comparison.orders.sufficiency import Difference, Sufficiency
 from bayescal.comparison.verdict import judge, percent
 
 log_evidences = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=20)

@@ -6,10 +6,10 @@ from scipy import stats
 from scipy.special import logsumexp
 
 import bayescal as bc
-from bayescal.density.gaussian_pinhole import GaussianPinhole
-from bayescal.density.pinhole_fit import fit_pinhole
-from bayescal.density.pinhole_proposal import ladder, weighted_evidence
-from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.density.pinholes.fit import fit_pinhole
+from bayescal.density.pinholes.gaussian import GaussianPinhole
+from bayescal.density.pinholes.proposal import ladder, weighted_evidence
+from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.noise.level import NoiseLevel
 from scripts.validation.families import model_of, simulated
@@ -64,7 +64,7 @@ def test_many_points_are_taken_in_parts(monkeypatch):
     theta = np.random.default_rng(0).normal(0, 1, (10, made.dimension))
     rng = np.random.default_rng(1)
     whole = made.log_likelihood(theta), made.complete(theta, rng), made.log_prob(theta)
-    monkeypatch.setattr("bayescal.density.pinhole.CHUNK", 3 * 2 * 57)
+    monkeypatch.setattr("bayescal.density.pinholes.pinhole.CHUNK", 3 * 2 * 57)
     assert [len(part) for part in made.in_parts(theta)] == [3, 3, 3, 1]
     parts = made.log_likelihood(theta), made.complete(theta, rng), made.log_prob(theta)
     for one, other in zip(whole, parts, strict=True):

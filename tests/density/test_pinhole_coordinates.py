@@ -8,9 +8,9 @@ import pytest
 import bayescal as bc
 from bayescal.comparison.families.models import gaussian_pinhole, noise_levels, robust_pinhole
 from bayescal.comparison.settings import Settings
-from bayescal.density.pinhole_coordinates import suited
-from bayescal.density.pinhole_fit import fit_pinhole
-from bayescal.density.pinhole_proposal import weighted_evidence
+from bayescal.density.pinholes.coordinates import suited
+from bayescal.density.pinholes.fit import fit_pinhole
+from bayescal.density.pinholes.proposal import weighted_evidence
 from tests.helpers.cameras import problem
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import least_squares
 
 import bayescal as bc
-from bayescal.density.pinhole_fit import fit_pinhole
+from bayescal.density.pinholes.fit import fit_pinhole
 from bayescal.errors import InputError
 from bayescal.noise.level import NoiseLevel
 from tests.helpers.cameras import TURNED, pixels, problem, turned_points

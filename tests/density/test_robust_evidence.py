@@ -11,14 +11,14 @@ import pytest
 from scipy.special import gammaincinv, logsumexp, ndtri
 
 import bayescal as bc
-from bayescal.comparison.axis import Axis
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.goodness import NO_REFERENCE, GoodnessOfFit
+from bayescal.comparison.criteria.information import Criteria
+from bayescal.comparison.criteria.leave_one_out import leave_one_out
+from bayescal.comparison.criteria.psis import sampled_leave_one_out
 from bayescal.comparison.findings.case import Case
 from bayescal.comparison.findings.sampling import MANY_BAD, sampled
-from bayescal.comparison.goodness import NO_REFERENCE, GoodnessOfFit
 from bayescal.comparison.key import Key
-from bayescal.comparison.leave_one_out import leave_one_out
-from bayescal.comparison.psis import sampled_leave_one_out
+from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.results import OrderResult
 from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.optimum import find_modes

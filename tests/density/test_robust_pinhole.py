@@ -9,10 +9,10 @@ import pytest
 from scipy import stats
 
 import bayescal as bc
-from bayescal.density.gaussian_pinhole import GaussianPinhole
-from bayescal.density.pinhole_fit import fit_pinhole
-from bayescal.density.pinhole_laplace import linear_pixels
-from bayescal.density.robust_pinhole import RobustPinhole
+from bayescal.density.pinholes.fit import fit_pinhole
+from bayescal.density.pinholes.gaussian import GaussianPinhole
+from bayescal.density.pinholes.laplace import linear_pixels
+from bayescal.density.pinholes.robust import RobustPinhole
 from bayescal.inference.optimum import find_modes
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.noise.level import NoiseLevel

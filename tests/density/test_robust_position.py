@@ -8,12 +8,12 @@ from scipy import stats
 
 import bayescal as bc
 from bayescal.comparison.families.models import free_model, moving_axes
-from bayescal.comparison.orders import RobustOrder
+from bayescal.comparison.orders.candidates import RobustOrder
 from bayescal.comparison.settings import Settings
 from bayescal.density.position_search import position_mode
 from bayescal.density.robust_pair import RobustPair, paired
 from bayescal.density.robust_position import RobustFreePosition, robust_position
-from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.polynomials import bivariate, separable
 from bayescal.prior.camera import PositionPrior, position_prior

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bayescal.inference.proposal import LinearProposal
+from bayescal.inference.proposals.proposal import LinearProposal
 from bayescal.linear.closed_form import ExactPosterior
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bayescal.inference.adaptation import adapt, effective_fraction
 from bayescal.inference.optimum import Mode
+from bayescal.inference.proposals.adaptation import adapt, effective_fraction
 from tests.helpers.known_densities import LOG_Z, Banana, HeavyTailed, Normal, Skewed
 
 

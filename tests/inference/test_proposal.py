@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.inference.coordinates import WhitenedProposal, Whitening
-from bayescal.inference.proposal import Hats, LinearProposal, Proposal
+from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
+from bayescal.inference.proposals.proposal import Hats, LinearProposal, Proposal
 from bayescal.linear.closed_form import ExactPosterior, exact_posterior
 from bayescal.linear.model import LinearModel
 from tests.helpers.brute_force import panels

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2, kstest, norm
 
-from bayescal.comparison.leave_one_out import leave_one_out
-from bayescal.comparison.psis import sampled_leave_one_out
+from bayescal.comparison.criteria.leave_one_out import leave_one_out
+from bayescal.comparison.criteria.psis import sampled_leave_one_out
 from bayescal.errors import InputError
 from bayescal.inference.optimum import find_modes
 from bayescal.inference.sampled_posterior import sample_model, shares_differ

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from scipy.special import logsumexp
 
-from bayescal.inference.proposal import LinearProposal
+from bayescal.inference.proposals.proposal import LinearProposal
 from bayescal.inference.target import log_prob
 from bayescal.linear.closed_form import exact_posterior
 from tests.helpers.brute_force import dense_grid, normal_grid

@@ -8,7 +8,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.cli import main
-from bayescal.density.pinhole_fit import fit_pinhole
+from bayescal.density.pinholes.fit import fit_pinhole
 from bayescal.errors import InputError
 from bayescal.noise.level import NoiseLevel
 from tests.helpers.cameras import problem, turned_points

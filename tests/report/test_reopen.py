@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.commands.options import is_run
-from bayescal.comparison import psis
+from bayescal.commands.shared.options import is_run
+from bayescal.comparison.criteria import psis
 from bayescal.comparison.results import Comparison
 from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.setup import StatedPrior

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.defence.results import Defence, Prediction
 from bayescal.comparison.defence.stability import Beyond, Removal
 from bayescal.comparison.findings.beyond_range import beyond_range

@@ -14,7 +14,9 @@ from dataclasses import replace
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.comparison.axis import Axis
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
+from bayescal.comparison.criteria.pointwise import gaussian_density
+from bayescal.comparison.criteria.psis import Draws, sampled_leave_one_out
 from bayescal.comparison.defence.other_noise import other_noises
 from bayescal.comparison.defence.prediction import predictions, worth
 from bayescal.comparison.defence.results import Defence
@@ -29,11 +31,9 @@ from bayescal.comparison.defence.stability import (
     removals,
     without_groups,
 )
-from bayescal.comparison.leave_one_out import LeaveOneOut
-from bayescal.comparison.order_result import OrderResult
-from bayescal.comparison.orders import RobustOrder
-from bayescal.comparison.pointwise import gaussian_density
-from bayescal.comparison.psis import Draws, sampled_leave_one_out
+from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.candidates import RobustOrder
+from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.comparison.verdict import AxisVerdict

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from bayescal.comparison.axis import Axis
 from bayescal.comparison.evidence import strength
 from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.judged import Weighed
-from bayescal.comparison.orders import order_of
+from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.candidates import order_of
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.comparison.verdict import AxisVerdict

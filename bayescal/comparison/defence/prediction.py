@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.defence.results import Prediction, Worth
-from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
-from bayescal.comparison.order_result import OrderResult
+from bayescal.comparison.orders.result import OrderResult
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import legendre_design
 

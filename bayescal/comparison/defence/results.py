@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.defence.sensitivity import TauSensitivity
 from bayescal.comparison.defence.stability import Beyond, Bootstrap, Removal
 from bayescal.comparison.judged import Weighed
-from bayescal.comparison.leave_one_out import LeaveOneOut
 
 
 @dataclass(frozen=True, eq=False)

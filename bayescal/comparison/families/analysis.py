@@ -10,7 +10,6 @@ from typing import Any, TypeAlias
 from threadpoolctl import threadpool_limits
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest
-from bayescal.comparison.axis import Axis
 from bayescal.comparison.families.caveats import family_findings
 from bayescal.comparison.families.defence import defence_words, defend
 from bayescal.comparison.families.free import free_pairs
@@ -30,6 +29,7 @@ from bayescal.comparison.families.stated import stated_pairs
 from bayescal.comparison.families.verdict import judge_families
 from bayescal.comparison.judging import Candidate, judge_all
 from bayescal.comparison.key import FAMILIES, FREE, PINHOLE, STATED, Key
+from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.errors import InputError

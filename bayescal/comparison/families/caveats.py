@@ -9,13 +9,13 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy.outcome import AdequacyTest
+from bayescal.comparison.criteria.leave_one_out import paired_difference
 from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.findings.bounds import PILE
 from bayescal.comparison.findings.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import GRAVE, concerning
 from bayescal.comparison.key import FREE, PINHOLE, STATED
-from bayescal.comparison.leave_one_out import paired_difference
-from bayescal.density.pinhole import PinholeModel
+from bayescal.density.pinholes.pinhole import PinholeModel
 from bayescal.noise.level import sigma_bounds
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES

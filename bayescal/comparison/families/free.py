@@ -15,8 +15,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array, frozen
-from bayescal.comparison.axis import Axis
-from bayescal.comparison.criteria import robust_criteria
+from bayescal.comparison.criteria.information import robust_criteria
 from bayescal.comparison.families.joint import Likelihood, LinearPair, judged_by
 from bayescal.comparison.families.linearised import Linearised, of_pair
 from bayescal.comparison.families.models import (
@@ -28,20 +27,21 @@ from bayescal.comparison.families.models import (
 )
 from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.key import FREE, Key
-from bayescal.comparison.orders import RobustOrder
+from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.candidates import RobustOrder
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Once, Store
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.position_search import position_mode, position_sd
 from bayescal.density.robust_position import Found, RobustFreePosition, robust_start
 from bayescal.errors import InputError
-from bayescal.inference.adaptation import adapt, effective_fraction
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
-from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode, find_modes
+from bayescal.inference.proposals.adaptation import adapt, effective_fraction
+from bayescal.inference.proposals.laplace_mixture import mixture_about
+from bayescal.inference.proposals.t_mixture import TMixture
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import FITTED, Guess, SampledPosterior, sample_model
-from bayescal.inference.t_mixture import TMixture
 from bayescal.inference.weighting import WeightedDraws, drawn, weigh
 from bayescal.points.correspondences import Correspondences
 from bayescal.prior.camera import position_prior

@@ -10,8 +10,7 @@ import numpy as np
 from scipy.special import logsumexp
 from threadpoolctl import threadpool_limits
 
-from bayescal.comparison.axis import Axis
-from bayescal.comparison.criteria import criteria
+from bayescal.comparison.criteria.information import criteria
 from bayescal.comparison.families.models import (
     free_model,
     gaussian_pinhole,
@@ -19,10 +18,11 @@ from bayescal.comparison.families.models import (
     joint_data,
 )
 from bayescal.comparison.key import FREE, STATED
+from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
 from bayescal.density.joint_data import JointData
-from bayescal.density.pinhole_proposal import ladder
+from bayescal.density.pinholes.proposal import ladder
 from bayescal.density.position_search import position_mode
 from bayescal.errors import InputError
 from bayescal.linear.closed_form import exact_posterior

@@ -7,8 +7,10 @@ from functools import partial
 from typing import Any, Protocol
 
 from bayescal.arrays import Array, frozen
-from bayescal.comparison.axis import Axis
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.goodness import GoodnessOfFit
+from bayescal.comparison.criteria.information import Criteria
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
+from bayescal.comparison.criteria.psis import LeftOut, Without, sampled_leave_one_out
 from bayescal.comparison.families.linearised import Linearised
 from bayescal.comparison.families.models import (
     Wanted,
@@ -17,10 +19,8 @@ from bayescal.comparison.families.models import (
     linear_residuals,
 )
 from bayescal.comparison.families.results import JointModel
-from bayescal.comparison.goodness import GoodnessOfFit
 from bayescal.comparison.key import Key
-from bayescal.comparison.leave_one_out import LeaveOneOut
-from bayescal.comparison.psis import LeftOut, Without, sampled_leave_one_out
+from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.store import Store
 from bayescal.density.joint_data import JointData
 from bayescal.inference.sampled_posterior import SampledPosterior

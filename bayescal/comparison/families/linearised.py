@@ -9,10 +9,10 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from bayescal.arrays import Array
-from bayescal.comparison.axis import Axis
 from bayescal.comparison.families.models import joint_data, moving_axes
+from bayescal.comparison.orders.axis import Axis
 from bayescal.density.joint_data import JointData
-from bayescal.density.pinhole import PinholeModel
+from bayescal.density.pinholes.pinhole import PinholeModel
 from bayescal.points.correspondences import Correspondences
 
 STEP = 1e-30

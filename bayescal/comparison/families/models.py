@@ -12,10 +12,10 @@ import numpy as np
 
 from bayescal.arrays import Array, frozen
 from bayescal.cameras.pinhole import PinholeGeometry, Radial
-from bayescal.comparison.axis import Axis
-from bayescal.comparison.criteria import Criteria
-from bayescal.comparison.goodness import GoodnessOfFit, chi_squared
+from bayescal.comparison.criteria.goodness import GoodnessOfFit, chi_squared
+from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.key import STATED
+from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.settings import (
     Settings,
     check_exact_world,
@@ -25,14 +25,14 @@ from bayescal.comparison.settings import (
 )
 from bayescal.comparison.store import Once, now
 from bayescal.density.free_position import FreePositionModel
-from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.joint_data import JointData
 from bayescal.density.moving_axis import MovingAxis
-from bayescal.density.pinhole_coordinates import suited
-from bayescal.density.pinhole_fit import PinholeFit, fit_pinhole
-from bayescal.density.pinhole_laplace import Normal
+from bayescal.density.pinholes.coordinates import suited
+from bayescal.density.pinholes.fit import PinholeFit, fit_pinhole
+from bayescal.density.pinholes.gaussian import GaussianPinhole
+from bayescal.density.pinholes.laplace import Normal
+from bayescal.density.pinholes.robust import Framed, RobustPinhole
 from bayescal.density.position_search import best_position, linearised
-from bayescal.density.robust_pinhole import Framed, RobustPinhole
 from bayescal.errors import InputError
 from bayescal.linear.least_squares import only_rounding
 from bayescal.noise.gaussian import GAUSSIAN

@@ -9,22 +9,22 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array, frozen
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.information import Criteria
+from bayescal.comparison.criteria.psis import Without
 from bayescal.comparison.families.joint import Likelihood, judged_by
 from bayescal.comparison.families.linearised import Linearised, of_pinhole
 from bayescal.comparison.families.models import gaussian_pinhole, robust_pinhole
 from bayescal.comparison.families.results import FamilyRequest, JointModel
 from bayescal.comparison.key import PINHOLE, Key
-from bayescal.comparison.psis import Without
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
-from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.joint_data import JointData
-from bayescal.density.pinhole import PinholeModel
-from bayescal.density.pinhole_coordinates import position_sd
-from bayescal.density.pinhole_proposal import ladder, weighted_evidence
+from bayescal.density.pinholes.coordinates import position_sd
+from bayescal.density.pinholes.gaussian import GaussianPinhole
+from bayescal.density.pinholes.pinhole import PinholeModel
+from bayescal.density.pinholes.proposal import ladder, weighted_evidence
 from bayescal.inference.estimate import EvidenceEstimate
-from bayescal.inference.laplace_mixture import mixture_about
+from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.sampled_posterior import Guess, SampledPosterior, sample_model
 from bayescal.points.correspondences import Correspondences
 

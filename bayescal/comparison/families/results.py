@@ -23,11 +23,11 @@ if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
 
     from bayescal.cameras.pinhole import Radial
     from bayescal.comparison.adequacy.outcome import AdequacyTest
-    from bayescal.comparison.criteria import Criteria
+    from bayescal.comparison.criteria.goodness import GoodnessOfFit
+    from bayescal.comparison.criteria.information import Criteria
     from bayescal.comparison.defence.stability import Removal
-    from bayescal.comparison.goodness import GoodnessOfFit
     from bayescal.comparison.settings import Settings
-    from bayescal.density.pinhole import PinholeModel
+    from bayescal.density.pinholes.pinhole import PinholeModel
     from bayescal.inference.sampled_posterior import SampledPosterior
     from bayescal.inference.weighting import WeightedDraws
     from bayescal.linear.closed_form import ExactPosterior

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest
-from bayescal.comparison.axis import Axis
-from bayescal.comparison.goodness import ReferenceSigma
-from bayescal.comparison.order_result import OrderResult
+from bayescal.comparison.criteria.goodness import ReferenceSigma
+from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.result import OrderResult
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.model import NoiseModel
 

@@ -11,7 +11,7 @@ from bayescal.calibration.error_grid import Node
 from bayescal.calibration.judge import LensEvidence, Setting, lens_evidence
 from bayescal.calibration.least_squares import Fit, rms
 from bayescal.calibration.lens_model import LensModel
-from bayescal.comparison.leave_one_out import LeaveOneOut
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.comparison.settings import Settings

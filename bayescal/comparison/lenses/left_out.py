@@ -8,7 +8,7 @@ import numpy as np
 
 from bayescal.arrays import Array, IntArray
 from bayescal.calibration.density import Problem
-from bayescal.comparison.leave_one_out import LeaveOneOut
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 
 REFITS = 2  # Gauss-Newton steps from the fit to all views
 

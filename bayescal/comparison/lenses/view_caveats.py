@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import Evidenced
-from bayescal.comparison.weak import PART
+from bayescal.comparison.orders.weak import PART
 from bayescal.rounding import counted, significant
 
 USUAL_SIGMA = (0.05, 0.3)  # px: of corner detectors

@@ -12,8 +12,7 @@ from threadpoolctl import threadpool_limits
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy.block import adequacy
 from bayescal.comparison.adequacy.normality import NAME as NORMALITY
-from bayescal.comparison.axis import Axis
-from bayescal.comparison.criteria import criteria
+from bayescal.comparison.criteria.information import criteria
 from bayescal.comparison.families.hint import Stated, decisively_better
 from bayescal.comparison.findings.finding import ordered
 from bayescal.comparison.findings.misfit import concerning
@@ -21,7 +20,8 @@ from bayescal.comparison.findings.surroundings import another_model
 from bayescal.comparison.judged import Judged, with_probabilities
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.key import Key
-from bayescal.comparison.orders import GaussianOrder, RobustOrder
+from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.candidates import GaussianOrder, RobustOrder
 from bayescal.comparison.outliers.records import (
     Elimination,
     RobustView,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.comparison.leave_one_out import LeaveOneOut
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.outliers.rejection import Rejection, RejectionRule, point_tests, reject
 from bayescal.linear.design_fit import FULL_LEVERAGE, DesignFit
 from bayescal.polynomials.axis_data import AxisData

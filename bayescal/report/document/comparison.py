@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from bayescal.comparison.averaging import AveragedPrediction
+from bayescal.comparison.orders.averaging import AveragedPrediction
+from bayescal.comparison.orders.sufficiency import Sufficiency
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.comparison.sufficiency import Sufficiency
 from bayescal.noise.model import NoiseModel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import RATE, SHAPE, StudentT

@@ -13,8 +13,8 @@ from bayescal.comparison.families.results import (
     FamilyRequest,
     JointModel,
 )
+from bayescal.comparison.orders.weak import weak_combinations
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.weak import weak_combinations
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.report.document.defence import adequacy_rows, removal_rows
 from bayescal.report.document.shared import (

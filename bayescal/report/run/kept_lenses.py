@@ -12,8 +12,8 @@ from bayescal.calibration.error_grid import Averaged
 from bayescal.calibration.judge import LensEvidence, Setting
 from bayescal.calibration.least_squares import Fit, with_bow
 from bayescal.calibration.stacking import Poses
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.judged import with_probabilities
-from bayescal.comparison.leave_one_out import LeaveOneOut
 from bayescal.comparison.lenses.candidates import named_candidates
 from bayescal.comparison.lenses.fitted import judged_lens
 from bayescal.comparison.lenses.request import LensRequest

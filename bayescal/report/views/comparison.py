@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bayescal.comparison.averaging import averaged_words
+from bayescal.comparison.orders.averaging import averaged_words
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.report.blocks import Block, Blocks, Facts, Part, Prose, Section, Tabled, listed
 from bayescal.report.views.orders import (

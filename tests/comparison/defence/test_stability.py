@@ -11,6 +11,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from bayescal.comparison.criteria.leave_one_out import leave_one_out
 from bayescal.comparison.defence.stability import (
     beyond,
     bootstrap,
@@ -18,7 +19,6 @@ from bayescal.comparison.defence.stability import (
     removals,
     without_groups,
 )
-from bayescal.comparison.leave_one_out import leave_one_out
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.noise.level import NoiseLevel
 from tests.helpers.cases import all_but, curve, refitted_evidence

@@ -8,7 +8,7 @@ import pytest
 from scipy.stats import chi2 as chi2_distribution
 
 import bayescal as bc
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.results import FamilyRequest
 from bayescal.comparison.settings import Settings

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bayescal.comparison.criteria import Criteria
+from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.families.results import JointModel
 from bayescal.comparison.families.verdict import judge_families
 from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.key import Key
-from bayescal.comparison.weak import weak_combinations
+from bayescal.comparison.orders.weak import weak_combinations
 
 
 def joint(family, orders, position, evidence):

@@ -10,7 +10,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.api.outliers import outliers
-from bayescal.comparison.leave_one_out import LeaveOneOut
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.outliers.records import (
     RobustView,
     cooks_distance,

@@ -13,7 +13,7 @@ from scipy.stats import norm
 
 import bayescal as bc
 from bayescal.comparison.families.results import FamilyComparison
-from bayescal.density.pinhole import PinholeModel
+from bayescal.density.pinholes.pinhole import PinholeModel
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import KINDS
 from bayescal.report.figures.style import figure_bytes

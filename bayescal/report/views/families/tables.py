@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.families.exact_parameters import exact_parameters
 from bayescal.comparison.families.results import (
     FamilyComparison,
     GroupedErrors,
     JointModel,
 )
-from bayescal.comparison.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.verdict import percent
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.report.numbers import correlations

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from bayescal.comparison.families.results import FamilyComparison, GroupedErrors, JointModel
 from bayescal.comparison.key import FREE, PINHOLE
-from bayescal.comparison.weak import weak_lines
+from bayescal.comparison.orders.weak import weak_lines
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.polynomials import bivariate
 from bayescal.report.numbers import correlations

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bayescal.comparison.leave_one_out import paired_difference
+from bayescal.comparison.criteria.leave_one_out import paired_difference
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.verdict import percent

@@ -7,8 +7,8 @@ import math
 from bayescal.calibration.error_model import ErrorModel
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import LensComparison
+from bayescal.comparison.orders.weak import correlation, weak_lines
 from bayescal.comparison.verdict import percent
-from bayescal.comparison.weak import correlation, weak_lines
 from bayescal.report.views.lenses.tables import SHOWN
 from bayescal.rounding import counted, rounded, significant
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from bayescal.comparison.goodness import GoodnessOfFit
+from bayescal.comparison.criteria.goodness import GoodnessOfFit
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.report.blocks import Block, Blocks, Details, Prose, Tabled
 from bayescal.report.numbers import covariance

@@ -12,8 +12,8 @@ from bayescal.report.views.views import Topic
 from bayescal.report.views.words import IN_NUMBERS, MARK, one_decimal
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
+    from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
     from bayescal.comparison.defence.results import Defence
-    from bayescal.comparison.leave_one_out import LeaveOneOut
 
 EXACT_ELPD = (
     "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "

@@ -6,7 +6,7 @@ import argparse
 import dataclasses
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from bayescal.commands.progress import Progress as Progress
+from bayescal.commands.shared.progress import Progress as Progress
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:

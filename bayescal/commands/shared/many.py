@@ -8,7 +8,7 @@ import dataclasses
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from bayescal.commands import options as shared
+from bayescal.commands.shared import options as shared
 
 if TYPE_CHECKING:
     from bayescal.points.chunks.many import ManyPoints

@@ -20,7 +20,7 @@ from scipy.special import logsumexp, softmax
 
 from bayescal.arrays import Array
 from bayescal.inference.optimum import LogDensity, Mode
-from bayescal.inference.t_mixture import TMixture, cholesky
+from bayescal.inference.proposals.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import resampled
 
 ROUNDS = 12

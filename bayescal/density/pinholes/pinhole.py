@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import PinholeGeometry
 from bayescal.density.joint_data import JointData
-from bayescal.density.pinhole_fit import PinholeFit
-from bayescal.density.pinhole_laplace import Normal
+from bayescal.density.pinholes.fit import PinholeFit
+from bayescal.density.pinholes.laplace import Normal
 from bayescal.noise.model import NoiseModel
 from bayescal.points.setup import AXES
 from bayescal.prior.camera import PinholePrior

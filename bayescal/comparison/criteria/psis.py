@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array, frozen
-from bayescal.comparison.leave_one_out import LeaveOneOut
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.estimate import EvidenceEstimate
 

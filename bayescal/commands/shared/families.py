@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 from typing import Any
 
-from bayescal.commands import options as shared
+from bayescal.commands.shared import options as shared
 from bayescal.errors import InputError
 
 

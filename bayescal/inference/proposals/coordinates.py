@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import block_diag, solve_triangular
 
 from bayescal.arrays import Array
-from bayescal.inference.proposal import Proposal
+from bayescal.inference.proposals.proposal import Proposal
 from bayescal.linear.closed_form import ExactPosterior
 
 

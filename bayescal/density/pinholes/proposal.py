@@ -15,11 +15,11 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array
-from bayescal.density.gaussian_pinhole import GaussianPinhole
-from bayescal.density.pinhole_laplace import laplace
+from bayescal.density.pinholes.gaussian import GaussianPinhole
+from bayescal.density.pinholes.laplace import laplace
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
-from bayescal.inference.laplace_mixture import mixture_about
 from bayescal.inference.optimum import Mode
+from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.weighting import drawn
 
 # Steps of the ladder in ln tau.

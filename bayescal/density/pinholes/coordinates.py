@@ -8,7 +8,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import ANCHOR, PinholeGeometry
-from bayescal.density.pinhole_fit import PinholeFit
+from bayescal.density.pinholes.fit import PinholeFit
 from bayescal.prior.camera import PositionPrior
 
 STEP = 1e-30

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
-from bayescal.comparison.axis import Axis
-from bayescal.comparison.criteria import Criteria, criteria, robust_criteria
-from bayescal.comparison.goodness import (
+from bayescal.comparison.criteria.goodness import (
     NO_REFERENCE,
     GoodnessOfFit,
     ReferenceSigma,
     goodness_of_fit,
 )
+from bayescal.comparison.criteria.information import Criteria, criteria, robust_criteria
 from bayescal.comparison.judged import Judged, Weighed
 from bayescal.comparison.key import Key
-from bayescal.comparison.order_result import OrderResult
+from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.inference.checked_posterior import sample_posterior
@@ -27,7 +27,7 @@ from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.model import NoiseModel
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
-    from bayescal.comparison.leave_one_out import LeaveOneOut
+    from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
     from bayescal.density.robust_linear import RobustLinearModel
     from bayescal.inference.posterior import Posterior
     from bayescal.inference.sampled_posterior import SampledPosterior
@@ -99,7 +99,7 @@ class GaussianOrder(_Order):
         """Leave each point out, exactly; once, whatever `exact` was computed before."""
 
         def find() -> LeaveOneOut | None:
-            from bayescal.comparison.leave_one_out import leave_one_out
+            from bayescal.comparison.criteria.leave_one_out import leave_one_out
 
             return leave_one_out(self.axis.data, exact or self.exact)
 
@@ -166,7 +166,7 @@ class RobustOrder(_Order):
 
     def judge(self, store: Store, settings: Settings) -> OrderResult:
         """Say what its draws say."""
-        from bayescal.comparison.psis import sampled_leave_one_out
+        from bayescal.comparison.criteria.psis import sampled_leave_one_out
 
         posterior, loo = self.posterior(store, settings), None
         if settings.defend:

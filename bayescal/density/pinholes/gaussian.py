@@ -10,9 +10,9 @@ import numpy as np
 from bayescal.arrays import LOG_2PI, Array, IntArray
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
 from bayescal.density.joint_data import JointData
-from bayescal.density.pinhole import FRAME_TAU, PinholeModel
-from bayescal.density.pinhole_fit import PinholeFit
-from bayescal.density.pinhole_laplace import Normal, laplace, likely_start
+from bayescal.density.pinholes.fit import PinholeFit
+from bayescal.density.pinholes.laplace import Normal, laplace, likely_start
+from bayescal.density.pinholes.pinhole import FRAME_TAU, PinholeModel
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.prior.camera import PinholePrior
 from bayescal.prior.strength import Strength

@@ -20,11 +20,11 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import PinholeGeometry
-from bayescal.density.gaussian_pinhole import GaussianPinhole
 from bayescal.density.joint_data import JointData
-from bayescal.density.pinhole import FRAME_TAU, PinholeModel
-from bayescal.density.pinhole_fit import PinholeFit
-from bayescal.density.pinhole_laplace import Normal, laplace, likely_start, linear_pixels
+from bayescal.density.pinholes.fit import PinholeFit
+from bayescal.density.pinholes.gaussian import GaussianPinhole
+from bayescal.density.pinholes.laplace import Normal, laplace, likely_start, linear_pixels
+from bayescal.density.pinholes.pinhole import FRAME_TAU, PinholeModel
 from bayescal.density.robust_fits import RobustFit, robust_fits
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.model import NoiseModel

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.comparison.axis import Axis
 from bayescal.comparison.evidence import probabilities
-from bayescal.comparison.order_result import OrderResult
+from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.result import OrderResult
 from bayescal.errors import InputError
 from bayescal.linear.closed_form import ExactPosterior, exact_posterior
 from bayescal.polynomials.basis import Domain, legendre_design

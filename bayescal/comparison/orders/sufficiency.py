@@ -14,7 +14,7 @@ from bayescal.noise.level import NoiseLevel
 from bayescal.polynomials.axis_data import AxisData
 
 if TYPE_CHECKING:
-    from bayescal.comparison.order_result import OrderResult
+    from bayescal.comparison.orders.result import OrderResult
 
 PROBABILITY = 0.95
 # Where no tolerance is stated: this share of the noise level.

@@ -1,0 +1,1 @@
+"""By what candidates are judged beside their evidence."""

@@ -1,0 +1,1 @@
+"""The orders of one axis as candidates, and what their list says together."""

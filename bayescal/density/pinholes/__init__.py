@@ -1,0 +1,1 @@
+"""Pinholes as densities: fitted, approximated, and sampled under any noise."""

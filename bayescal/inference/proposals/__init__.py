@@ -1,0 +1,1 @@
+"""Proposals close to a posterior: mixtures, adapted to it by importance sampling."""
