@@ -8,7 +8,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.prediction.changed import Change
-from bayescal.prediction.locate import SOURCES, Location
+from bayescal.prediction.locate import FEW, SOURCES, Location
 from bayescal.prediction.maps import ImageMaps
 from bayescal.prediction.pairs import Distances
 from bayescal.prediction.predict import Prediction
@@ -73,6 +73,7 @@ def location_remarks(found: Location) -> list[str]:
         if ok:
             words += ["extrapolated"] * bool(found.extrapolated[i])
             words += ["linear propagation differs"] * bool(found.nonlinear[i])
+            words += [few_words(found.share[i])] * bool(found.share[i] < FEW)
         elif found.count[i] > 1:
             words.append(f"{found.count[i]} points of the calibrated domain appear there")
         elif found.count[i] == 0:
@@ -86,9 +87,22 @@ def location_remarks(found: Location) -> list[str]:
 def pair_columns(found: Distances) -> dict[str, Any]:
     """Name the columns of distances."""
     columns: dict[str, Any] = {"distance": found.values, "u": found.u, "k": found.k}
-    columns |= {"U": found.expanded, "linear_u": found.linear_u}
+    columns |= {"U": found.expanded, "U_error": found.expanded_error, "linear_u": found.linear_u}
     columns |= {f"u_{name}": found.parts[name] for name in SOURCES}
-    return columns | {"note": ["" if ok else NO_DISTANCE for ok in found.found]}
+    return columns | {"share": found.share, "note": pair_remarks(found)}
+
+
+def pair_remarks(found: Distances) -> list[str]:
+    """Say of each pair why it has no distance, or no expanded uncertainty."""
+    return [
+        NO_DISTANCE if not ok else "" if certain else few_words(share)
+        for ok, certain, share in zip(found.found, found.certain, found.share, strict=True)
+    ]
+
+
+def few_words(share: float) -> str:
+    """Say how few draws have an answer."""
+    return f"{100 * share:.0f} % of draws answer"
 
 
 def target_columns(found: TargetPose) -> dict[str, Any]:

@@ -15,10 +15,8 @@ from bayescal.linear.closed_form import ExactPosterior
 from bayescal.noise.model import NoiseModel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
-from bayescal.prediction.members import Parameters
+from bayescal.prediction.members import KEPT, Parameters
 from bayescal.prediction.noise import NewNoise
-
-KEPT = 1000  # draws of each model: sds to 2 %
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,10 +14,10 @@ from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.prediction.alignment import absorbed_turns
 from bayescal.prediction.calibrated import CalibratedCamera, normalised
-from bayescal.prediction.draws import KEPT, thinned
+from bayescal.prediction.draws import thinned
 from bayescal.prediction.hull import hull_of
 from bayescal.prediction.inverse import rays
-from bayescal.prediction.members import LensMember, Parameters
+from bayescal.prediction.members import KEPT, LensMember, Parameters
 from bayescal.prediction.noise import NewNoise
 
 ALIGNED = 100  # calibration pixels that fix the frame

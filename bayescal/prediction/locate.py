@@ -18,13 +18,14 @@ from bayescal.arrays import Array, ArrayLike, IntArray
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.given import Surface, checked
 from bayescal.prediction.inverse import rays, solutions
-from bayescal.prediction.members import BoolArray, Member
+from bayescal.prediction.members import KEPT, BoolArray, Member
 
 BLOCK = 100_000  # draws times pixels at once
 PROBABILITY = 0.95
 SOURCES = ("noise", "coefficients", "models", "depth")
-FEW = 0.95  # share of the draws that must have an inverse
-APART = 0.05  # relative difference of Monte Carlo and linear propagation: the second digit
+FEW = 0.95  # share of the draws that must have an inverse, for 95 % of them to be told
+MONTE_CARLO = 3 / np.sqrt(2 * KEPT)  # of an sd: three standard errors
+APART = 0.05 + MONTE_CARLO  # relative difference from linear propagation that is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +43,8 @@ class Location:
     parts : dict of str to Array
         Of the linear sd: noise, coefficients, models, depth, ``(n, 3)`` each.
     lower, upper : Array
-        Central interval by Monte Carlo, ``(n, 3)``.
+        Central interval by Monte Carlo, ``(n, 3)``; nan where fewer than 95 % of the draws have a
+        solution.
     angle : Array
         Sd of the direction about each of two axes, root mean square, ``(n,)``, rad.
     count : Array
@@ -78,16 +80,13 @@ class Location:
 
     @property
     def nonlinear(self) -> BoolArray:
-        """Where the two propagations differ by more than the digits shown, ``(n,)``."""
+        """Where the two propagations differ by more than `APART` of the sd, ``(n,)``."""
         with np.errstate(invalid="ignore", divide="ignore"):
             apart = np.abs(self.sd - self.linear_sd) / self.sd.max(axis=1, keepdims=True)
-        return np.asarray((apart > APART + MONTE_CARLO).any(axis=1))
+        return np.asarray((apart > APART).any(axis=1))
 
     def __len__(self) -> int:
         return len(self.values)
-
-
-MONTE_CARLO = 3 / np.sqrt(2 * 1000)  # of an sd from 1000 draws, three standard errors
 
 
 def locate(
@@ -141,6 +140,8 @@ def _located(
     usable = (solved.count == 1) & (share > 0.5) & np.isfinite(linear).all(axis=1)
     for array in (mean, sd, lower, upper, linear, *parts.values()):
         array[~usable] = np.nan
+    for array in (lower, upper):
+        array[share < FEW] = np.nan
     turn = np.sqrt((sd**2).sum(axis=1) / 2) if surface is None else np.full(len(sd), np.nan)
     beyond, outside = usable & ~solved.inside, camera.outside(camera.recorded(pixels))
     return Location(

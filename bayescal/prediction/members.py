@@ -20,6 +20,7 @@ from bayescal.polynomials.plane import plane_columns, powers
 from bayescal.prediction.hull import within
 from bayescal.prediction.noise import NewNoise
 
+KEPT = 1000  # draws of each model: sds to 2 %
 BoolArray = NDArray[np.bool_]
 EDGE = 1e-9  # of the domain: rounding at its ends
 

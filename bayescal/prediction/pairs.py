@@ -1,8 +1,9 @@
 """Distances between what two pixels look at, with expanded uncertainty and its budget.
 
 U = k u with k such that the interval d +- U holds 95 % of the Monte Carlo draws (JCGM 100:2008,
-6.2; JCGM 101:2008, 7.7): no number of degrees of freedom is assumed. The errors of the lens and of
-the surface are shared by both ends, and largely cancel.
+6.2; JCGM 101:2008, 7.7): no number of degrees of freedom is assumed. A draw without a distance
+counts as outside, and where more than 5 % are such there is no U. The errors of the lens and of the
+surface are shared by both ends, and largely cancel.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from bayescal.prediction.given import Surface, checked
 from bayescal.prediction.inverse import solutions
 from bayescal.prediction.locate import (
     BLOCK,
+    FEW,
     PROBABILITY,
     SOURCES,
     budget,
@@ -41,7 +43,11 @@ class Distances:
     linear_u : Array
         By linear propagation, ``(n,)``.
     expanded : Array
-        U, ``(n,)``.
+        U, ``(n,)``; nan where fewer than 95 % of the draws have a distance.
+    expanded_error : Array
+        Standard error of U by the number of draws, ``(n,)``.
+    share : Array
+        Share of the draws that have a distance, ``(n,)``.
     parts : dict of str to Array
         Of `linear_u`: noise, coefficients, models, depth, ``(n,)`` each.
     probability : float
@@ -52,6 +58,8 @@ class Distances:
     u: Array
     linear_u: Array
     expanded: Array
+    expanded_error: Array
+    share: Array
     parts: dict[str, Array]
     probability: float = PROBABILITY
 
@@ -59,6 +67,11 @@ class Distances:
     def found(self) -> BoolArray:
         """Which pairs have a distance, ``(n,)``."""
         return np.isfinite(self.values)
+
+    @property
+    def certain(self) -> BoolArray:
+        """Which pairs have an expanded uncertainty, ``(n,)``."""
+        return np.isfinite(self.expanded)
 
     @property
     def k(self) -> Array:
@@ -109,27 +122,45 @@ def distances(
         _block(camera, np.concatenate([end[i : i + step] for end in own]), surface, (seed, i))
         for i in starts
     ]
-    values, u, linear, expanded, *parts = (np.concatenate(c) for c in zip(*rows, strict=True))
-    return Distances(values, u, linear, expanded, dict(zip(SOURCES, parts, strict=True)))
+    values, u, linear, expanded, error, share, *parts = (
+        np.concatenate(column) for column in zip(*rows, strict=True)
+    )
+    budgeted = dict(zip(SOURCES, parts, strict=True))
+    return Distances(values, u, linear, expanded, error, share, budgeted)
 
 
 def _block(
     camera: CalibratedCamera, pixels: Array, surface: Surface, seed: tuple[int, int]
 ) -> list[Array]:
-    """Distances of pixels whose first half are the one ends: value, u, linear u, U, parts."""
+    """Distances of pixels whose first half are the one ends: as `Distances` has them."""
     weights = np.array(camera.used[1])
     drawn, share = monte_carlo(camera, pixels, surface, seed, _lengths)
     mean, sd, _, _ = summaries(drawn, weights)
-    flat = np.abs(drawn.reshape(-1, *drawn.shape[2:]) - mean)
-    each = np.repeat(weights / drawn.shape[1], drawn.shape[1])[:, None, None]
-    known = np.where(np.isfinite(flat), each, 0.0)
-    known = known / np.maximum(known.sum(axis=0), 1e-300)
-    expanded = weighted_quantile(np.nan_to_num(flat), known, PROBABILITY)
+    expanded, error = _expanded(np.abs(drawn[..., 0] - mean[:, 0]), weights)
+    expanded = np.where(share >= FEW, expanded, np.nan)
     parts, linear = budget(camera, pixels, surface, _lengths)
     count = solutions(camera.chosen, pixels).count.reshape(2, -1)
     usable = (count == 1).all(axis=0) & (share > 0.5) & np.isfinite(linear[:, 0])
-    rows = [mean, sd, linear, expanded, *(parts[name] for name in SOURCES)]
-    return [np.where(usable, row[:, 0], np.nan) for row in rows]
+    spreads = (linear, *(parts[name] for name in SOURCES))
+    first, *rest = (row[:, 0] for row in spreads)
+    rows = [mean[:, 0], sd[:, 0], first, expanded, error, share, *rest]
+    return [np.where(usable, row, np.nan) for row in rows]
+
+
+def _expanded(away: Array, weights: Array) -> tuple[Array, Array]:
+    """Half-width that holds 95 % of draws ``(models, draws, q)``, and its standard error.
+
+    The error is half the distance of the order statistics one binomial deviation off.
+    """
+    each = np.repeat(weights / away.shape[1], away.shape[1])
+    flat = np.where(np.isfinite(away), away, np.inf).reshape(len(each), -1)
+    one = np.sqrt(PROBABILITY * (1 - PROBABILITY) * (each**2).sum())
+    share = np.broadcast_to(each[:, None], flat.shape)
+    low, middle, high = (
+        weighted_quantile(flat, share, PROBABILITY + step) for step in (-one, 0.0, one)
+    )
+    with np.errstate(invalid="ignore"):
+        return middle, np.where(np.isfinite(high), (high - low) / 2, middle - low)
 
 
 def _lengths(points: Array) -> Array:

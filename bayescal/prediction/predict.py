@@ -247,7 +247,7 @@ def _by_steps(member: Member, world: Array) -> Moments:
 
 
 def _checked_by_draws(member: Member, world: Array) -> list[str]:
-    """Say where one-sd steps and draws differ by more than the digits shown."""
+    """Say where one-sd steps and draws differ noticeably."""
     linear = isinstance(member, PolynomialMember) and member.linear
     if linear or _by_draws(member, len(world)):
         return []

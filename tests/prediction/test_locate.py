@@ -6,14 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 
 import bayescal as bc
 from bayescal.errors import InputError
+from bayescal.prediction.columns import location_columns, pair_columns
 from bayescal.prediction.given import Surface
 from bayescal.prediction.inverse import rays, solutions
 from bayescal.prediction.locate import locate, weighted_quantile
 from bayescal.prediction.members import PolynomialMember
-from bayescal.prediction.pairs import distances
+from bayescal.prediction.pairs import _expanded, distances
 from bayescal.prediction.predict import predict
 from tests.helpers.cameras import turned_points
 from tests.helpers.cases import camera_points
@@ -138,6 +140,45 @@ def test_expanded_uncertainty_covers_as_stated():
         inside += int((np.abs(found.values - truth) < found.expanded).sum())
         total += len(pixels)
     assert abs(inside / total - 0.95) < 4 * np.sqrt(0.95 * 0.05 / total)
+
+
+def test_draws_without_a_distance_count_as_outside():
+    """Truth: order statistics of |e|, by hand; as many draws lost as put the quantile beyond."""
+    rng = np.random.default_rng(4)
+    away = np.abs(rng.standard_normal((1, 1000, 3)))
+    away[0, :30, 1] = np.nan
+    away[0, :60, 2] = np.nan
+    expanded, error = _expanded(away, np.ones(1))
+    whole, part = np.sort(away[0, :, 0]), np.sort(away[0, 30:, 1])
+    assert expanded[0] == whole[949]
+    assert expanded[1] == part[949]  # the 950th of 1000, though 970 are left
+    assert expanded[2] == np.inf
+    # Of |e| of a standard normal sqrt(p (1 - p) / n) / f: 0.059; spacings scatter it by a third.
+    normal = np.sqrt(0.95 * 0.05 / 1000) / (2 * stats.norm.pdf(1.96))
+    assert error[0] == pytest.approx(normal, rel=0.5)
+
+
+def test_no_certificate_near_the_horizon(cameras):
+    """Truth: rays that meet a plane nearly along them: noise turns some of them past it."""
+    camera = cameras["separable"]
+    pixels = predict(camera, [[0.0, 10.0, AT], [10.0, 10.0, AT], [0.0, 10.0, AT]]).mean
+    # Along x = 0 the plane x = z w + d has rays of slope w beside it, off by 1.5 sd (and by 10).
+    found = locate(camera, pixels[:1])
+    slope = found.values[0, 0] / found.values[0, 2]
+    sd = found.linear_sd[0, 0]
+    surfaces = [Surface((1.0, 0.0, -(slope - far * sd)), 0.05) for far in (1.5, 10.0)]
+    near, off = (distances(camera, pixels[1:2], pixels[:1], s) for s in surfaces)
+    assert 0.5 < near.share[0] < 0.95
+    assert near.found[0]
+    assert not near.certain[0]
+    assert np.isnan(near.k[0])
+    assert pair_columns(near)["note"][0].endswith("% of draws answer")
+    assert off.share[0] == 1
+    assert off.certain[0]
+    assert off.expanded_error[0] < 0.1 * off.expanded[0]
+    located = locate(camera, pixels[:1], surface=surfaces[0])
+    assert np.isnan(located.upper).all()
+    assert "of draws answer" in location_columns(located)["note"][0]
 
 
 def test_the_budget_adds_up(cameras):

@@ -7,10 +7,15 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.columns import NO_DISTANCE, NO_MEETING, NO_SOLUTION, location_remarks
+from bayescal.prediction.columns import (
+    NO_MEETING,
+    NO_SOLUTION,
+    location_remarks,
+    pair_remarks,
+)
 from bayescal.prediction.given import Surface
-from bayescal.prediction.locate import SOURCES, Location
-from bayescal.prediction.members import BoolArray
+from bayescal.prediction.locate import APART, FEW, SOURCES, Location
+from bayescal.prediction.members import KEPT, BoolArray
 from bayescal.prediction.pairs import Distances
 from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, Column, Table
@@ -96,18 +101,23 @@ def _lines(found: Location) -> list[str]:
     if usable.any():
         lines.append(f"Of the variance: {_shares(found.parts, usable)}.")
         apart = int((found.nonlinear & usable).sum())
-        verdict = (
-            f"differs by more than the digits shown for {counted(apart, 'pixel')}"
-            if apart
-            else "agrees to the digits shown"
-        )
-        lines.append(f"Linear propagation (JCGM 100) {verdict}.")
+        lines.append(agreement("Linear propagation (JCGM 100)", apart, "pixel"))
     least = float(found.share[usable].min(initial=1.0))
     if least < 1:
+        few = f"; below {100 * FEW:g} % no interval is told" if least < FEW else ""
         lines.append(
-            f"As few as {100 * least:.0f} % of a pixel's draws have a solution, and count."
+            f"As few as {100 * least:.3g} % of a pixel's draws have a solution: mean and sd are of "
+            f"these{few}."
         )
     return lines
+
+
+def agreement(what: str, apart: int, noun: str) -> str:
+    """Say whether linear propagation agrees, and within what: no more than the draws can tell."""
+    within = f"{100 * APART:.0f} % of the sd"
+    if apart:
+        return f"{what} differs by more than {within} for {counted(apart, noun)}."
+    return f"{what} agrees within {within}, which {KEPT} draws of each model can tell."
 
 
 def _shares(parts: dict[str, Array], usable: BoolArray) -> str:
@@ -123,21 +133,21 @@ def pair_view(
     """Show distances, with a statement for a certificate."""
     heads = ("pair", "distance", "u", "k", "U", *(f"u {name}" for name in SOURCES), "")
     rows = []
+    remarks = pair_remarks(found)
     for i in range(min(len(found), SHOWN)):
         label = Cell(clipped(table.labels[i]))
         if not found.found[i]:
-            words = Cell(NO_DISTANCE)
-            rows.append((label, *[Cell("")] * (len(heads) - 2), words))
+            rows.append((label, *[Cell("")] * (len(heads) - 2), Cell(remarks[i])))
             continue
         u = float(found.u[i])
         parts = (Cell(significant(float(found.parts[name][i]))) for name in SOURCES)
         cells = (
             Cell(rounded(float(found.values[i]), u)),
             Cell(significant(u)),
-            Cell(f"{found.k[i]:.2f}"),
-            Cell(significant(float(found.expanded[i]))),
+            Cell(f"{found.k[i]:.1f}" if found.certain[i] else ""),
+            Cell(significant(float(found.expanded[i])) if found.certain[i] else ""),
         )
-        rows.append((label, *cells, *parts, Cell("")))
+        rows.append((label, *cells, *parts, Cell(remarks[i])))
     where = surface_words(surface, posed=camera.posed)
     shown = Table(tuple(Column(h) for h in heads), tuple(rows))
     return (
@@ -148,17 +158,24 @@ def pair_view(
 
 def _statement(found: Distances) -> list[str]:
     """Say what a certificate can of the first distance, and where propagation is not linear."""
-    good = np.flatnonzero(found.found)
+    good, certain = np.flatnonzero(found.found), np.flatnonzero(found.certain)
     lines = []
-    if good.size:
-        i = int(good[0])
-        expanded = float(found.expanded[i])
+    if certain.size:
+        i = int(certain[0])
+        expanded, error = float(found.expanded[i]), found.expanded_error[i]
         lines.append(
             f"For a certificate: {rounded(float(found.values[i]), expanded)} +- "
             f"{significant(expanded)} world units, expanded uncertainty U = k u, k = "
-            f"{found.k[i]:.2f}, coverage probability {100 * found.probability:g} %, by Monte "
-            "Carlo (JCGM 101:2008) from the calibration's posterior, pixel noise and depth."
+            f"{found.k[i]:.1f}, coverage probability {100 * found.probability:g} %, by Monte "
+            "Carlo (JCGM 101:2008) from the calibration's posterior, pixel noise and depth. The "
+            f"number of draws leaves U a standard error of {significant(100 * error / expanded)} %."
         )
-    if (np.abs(found.u - found.linear_u)[good] > 0.15 * found.u[good]).any():
-        lines.append("Linear propagation differs by more than the digits shown for some pairs.")
+    if good.size > certain.size:
+        lines.append(
+            f"% of draws answer: of fewer than {100 * FEW:g} % of the draws no interval can hold "
+            f"{100 * found.probability:g} %: no U. u is of the draws that have a distance."
+        )
+    if good.size:
+        apart = np.abs(found.u - found.linear_u)[good] > APART * found.u[good]
+        lines.append(agreement("Linear propagation (JCGM 100)", int(apart.sum()), "pair"))
     return lines

@@ -7,10 +7,11 @@ import numpy as np
 from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.columns import target_columns
-from bayescal.prediction.locate import APART, MONTE_CARLO
+from bayescal.prediction.locate import APART
 from bayescal.prediction.target import SOURCES, TargetPose
 from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, Column, Table
+from bayescal.report.views.location import agreement
 from bayescal.report.views.prediction import models_words
 from bayescal.rounding import counted, rounded, significant
 
@@ -53,8 +54,8 @@ def _lines(found: TargetPose) -> list[str]:
         "and linear sd by linear propagation. --json has the covariance, in ROS's order.",
     ]
     linear = np.sqrt(np.diag(found.linear_covariance))
-    if (np.abs(found.sd - linear) > (APART + MONTE_CARLO) * found.sd).any():
-        lines.append("Linear propagation differs by more than the digits shown.")
+    apart = int((np.abs(found.sd - linear) > APART * found.sd).sum())
+    lines.append(agreement("Linear propagation", apart, "number"))
     text = f"Residuals: {significant(found.rms)} px root mean square"
     if found.p_value is None:
         lines.append(f"{text}.")
