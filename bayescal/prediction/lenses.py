@@ -41,7 +41,7 @@ def lens_camera(found: LensComparison) -> CalibratedCamera:
         tuple(members),
         normalised(weights),
         sum(weights),
-        found.verdict.status != "decided" and len(members) > 1,
+        not found.verdict.decided and len(members) > 1,
         data.size,
         False,
         hull,

@@ -14,7 +14,8 @@ from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level, degrees
 from bayescal.calibration.sampled import SampledLens
 from bayescal.comparison.judging import judge_all
-from bayescal.comparison.lenses.caveats import lens_caveats
+from bayescal.comparison.lenses.caveats import lens_findings
+from bayescal.comparison.lenses.judging import judge_lenses
 from bayescal.comparison.lenses.left_out import halves, leave_views_out
 from bayescal.comparison.lenses.places import places
 from bayescal.comparison.lenses.prediction import (
@@ -27,7 +28,6 @@ from bayescal.comparison.lenses.prediction import (
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import Drawn, Evidenced, JudgedLens, LensComparison
 from bayescal.comparison.lenses.sweep import Sweep, size_notes
-from bayescal.comparison.lenses.verdict import judge_lenses
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.errors import InputError
@@ -130,7 +130,7 @@ def concluded(
         "views": views, "setting": setting, "lenses": lenses, "drawn": drawn, "places": shown,
         **beside,
     }  # fmt: skip
-    verdict = judge_lenses(lenses, lens_caveats(Evidenced(**found)))
+    verdict = judge_lenses(lenses, lens_findings(Evidenced(**found)))
     notes = (*view_notes(views), *size_notes(views))
     return LensComparison(**found, verdict=verdict, notes=notes, request=request, settings=settings)
 

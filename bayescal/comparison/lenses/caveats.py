@@ -6,7 +6,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from scipy.stats import chi2
 
+from bayescal.calibration.laplace import degrees
+from bayescal.comparison.findings.finding import Finding, limits, overturns
+from bayescal.comparison.findings.misfit import GRAVE
 from bayescal.comparison.lenses.results import Evidenced
 from bayescal.comparison.lenses.view_caveats import (
     by_place,
@@ -22,35 +26,43 @@ from bayescal.comparison.lenses.view_caveats import (
 from bayescal.rounding import counted
 
 
-def lens_caveats(basis: Evidenced) -> tuple[str, ...]:
-    """All caveats that apply, the gravest first."""
-    return tuple(line for make in CAVEATS if (line := make(basis)) is not None)
+def lens_findings(basis: Evidenced) -> list[Finding]:
+    """All findings that apply."""
+    return [found for make in FINDINGS if (found := make(basis)) is not None]
 
 
-def untrusted(basis: Evidenced) -> str | None:
+def untrusted(basis: Evidenced) -> Finding | None:
     """Evidences that their own diagnostics speak against."""
     broken = [
         f"{j.name} ({j.warnings[0]})" for j in basis.lenses if j.warnings and j.probability > 1e-3
     ]
-    return f"the evidence should not be trusted of {', '.join(broken)}" if broken else None
+    if not broken:
+        return None
+    text = f"the evidence should not be trusted of {', '.join(broken)}"
+    return overturns("evidence", text, "an evidence should not be trusted")
 
 
-def unconverged(basis: Evidenced) -> str | None:
+def unconverged(basis: Evidenced) -> Finding | None:
     """Draws that did not reach the rule."""
-    return None if basis.posterior.converged else "the draws of emcee did not converge"
+    if basis.posterior.converged:
+        return None
+    text = f"the draws of emcee of {basis.best.name} did not converge"
+    return overturns("convergence", text, "its draws did not converge")
 
 
-def failed(basis: Evidenced) -> str | None:
+def failed(basis: Evidenced) -> Finding | None:
     """Fits worse than those of a model they contain."""
     if not basis.failures:
         return None
-    return (
+    return overturns(
+        "optimiser",
         f"the optimiser failed for {', '.join(basis.failures)}: fits stayed worse than those of "
-        "lenses they contain"
+        "lenses they contain",
+        f"the optimiser failed for {', '.join(basis.failures)}",
     )
 
 
-def edge(basis: Evidenced) -> str | None:
+def edge(basis: Evidenced) -> Finding | None:
     """Error models at the largest level offered."""
     best = basis.best.evidence.errors.nodes[0]
     levels = [
@@ -60,26 +72,48 @@ def edge(basis: Evidenced) -> str | None:
     ]
     if not levels:
         return None
-    return (
+    return overturns(
+        "errors-edge",
         f"the error model is at the largest level tried ({', '.join(levels)}): look for a lens "
-        "that fits, or a better target"
+        "that fits, or a better target",
+        "the error model is at the largest level tried",
     )
 
 
-def folds(basis: Evidenced) -> str | None:
+def chi_squared(basis: Evidenced) -> Finding | None:
+    """Find residuals too large for the known sigma, under the most probable error model."""
+    sigma, problem = basis.setting.level.sigma, basis.problem
+    if sigma is None:
+        return None
+    # Offsets of the target have normal priors: they take no degrees of freedom.
+    dof = degrees(problem.data) - problem.model.dimension
+    value = problem.reduced.sum_of_squares / sigma**2
+    if chi2.sf(value, dof) >= GRAVE:
+        return None
+    return overturns(
+        "chi-squared",
+        f"chi-squared rejects {basis.best.name} at the known sigma (chi2/dof {value / dof:.3g}, "
+        "shared errors allowed for): sigma is stated too small, or no lens compared is the right "
+        "one",
+        "it does not describe the points to within the known sigma",
+    )
+
+
+def folds(basis: Evidenced) -> Finding | None:
     """Find a lens that turns back, or has a pole, before the image's corner."""
     size = basis.setting.data.size
     corners = np.array([[0, 0], [size[0] - 1, 0], [0, size[1] - 1], [size[0] - 1, size[1] - 1]])
     _, found = basis.best.view.rays(corners.astype(np.float64))
     if found.all():
         return None
-    return (
+    return limits(
+        "fold",
         f"{basis.best.name} turns back before {counted(int(np.sum(~found)), 'corner')} of the "
-        "image: no ray is seen there"
+        "image: no ray is seen there",
     )
 
 
-def influence(basis: Evidenced) -> str | None:
+def influence(basis: Evidenced) -> Finding | None:
     """Name views without which another lens would win."""
     if len(basis.lenses) < 2:
         return None
@@ -94,10 +128,14 @@ def influence(basis: Evidenced) -> str | None:
     names = ", ".join(basis.views.names[v] for v in deciding[:4])
     more = f" and {len(deciding) - 4} more" if len(deciding) > 4 else ""
     alone = " (each alone)" if len(deciding) > 1 else ""
-    return f"without view {names}{more}{alone} {second.name} would win over {first.name}"
+    return overturns(
+        "influence",
+        f"without view {names}{more}{alone} {second.name} would win over {first.name}",
+        f"without a single view {second.name} would win",
+    )
 
 
-def views_disagree(basis: Evidenced) -> str | None:
+def views_disagree(basis: Evidenced) -> Finding | None:
     """Find a lens that predicts new views better than the most probable one."""
     best = basis.best
     if best.loo is None:
@@ -108,17 +146,19 @@ def views_disagree(basis: Evidenced) -> str | None:
         gain = judged.loo.pointwise - best.loo.pointwise
         total, se = float(gain.sum()), float(gain.std(ddof=1)) * math.sqrt(len(gain))
         if total > 4 and total > 2 * se:
-            return (
+            return limits(
+                "leave-one-out",
                 f"leaving views out prefers {judged.name} (by {total:.1f} +- {se:.1f} nat), though "
-                f"{best.name} is more probable"
+                f"{best.name} is more probable",
             )
     return None
 
 
-CAVEATS: tuple[Callable[[Evidenced], str | None], ...] = (
+FINDINGS: tuple[Callable[[Evidenced], Finding | None], ...] = (
     untrusted,
     unconverged,
     failed,
+    chi_squared,
     few_views,
     parallel,
     undetermined,

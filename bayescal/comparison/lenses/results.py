@@ -18,6 +18,7 @@ from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import View
 from bayescal.comparison.lenses.request import LensRequest
+from bayescal.comparison.lenses.verdict import LensVerdict
 from bayescal.comparison.settings import Settings
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.markup import bullets, table
@@ -114,7 +115,7 @@ class Drawn:
 
 @dataclass(frozen=True, eq=False)
 class Evidenced:
-    """What verdict and caveats are made from.
+    """What verdict and findings are made from.
 
     Attributes
     ----------
@@ -170,34 +171,6 @@ class Evidenced:
     def range(self) -> float:
         """Distance of the target from the camera, median over the views, the target's unit."""
         return self.problem.poses.depth * self.setting.data.diagonal
-
-
-@dataclass(frozen=True)
-class LensVerdict:
-    """What is recommended.
-
-    Attributes
-    ----------
-    best : str
-        Key of the most probable lens.
-    plausible : tuple of str
-        Smallest set of lenses, by falling probability, that reaches 95 %.
-    status : str
-        decided, suffices or undecided.
-    worth, beyond : float or None
-        Largest difference in prediction among the plausible ones, px: where the points are, and
-        over the whole image.
-    caveats : tuple of str
-    text : str
-    """
-
-    best: str
-    plausible: tuple[str, ...]
-    status: str
-    worth: float | None
-    beyond: float | None
-    caveats: tuple[str, ...]
-    text: str
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)

@@ -2,76 +2,108 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 
-from bayescal.comparison.evidence import PLAUSIBLE, strength
-from bayescal.comparison.lenses.results import JudgedLens, LensVerdict
-from bayescal.comparison.verdict import percent
-from bayescal.rounding import significant
+from bayescal.comparison.conclusion import Verdict
+from bayescal.comparison.verdict import listed_words, percent
+from bayescal.rounding import counted, significant
 
 TOLERANCE = 0.1  # px: lenses that differ by less are alike for nearly any use
 
 
-def _widest(gaps: Sequence[float | None]) -> float | None:
-    known = [g for g in gaps if g is not None]
-    return max(known) if known and len(known) == len(gaps) else None
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LensVerdict(Verdict):
+    """What to conclude of lens models.
 
-
-def judge_lenses(lenses: Sequence[JudgedLens], caveats: Sequence[str]) -> LensVerdict:
-    """Form the verdict.
-
-    Parameters
+    Attributes
     ----------
-    lenses : sequence of JudgedLens
-        The most probable first.
-    caveats : sequence of str
+    best : str
+        Name of the most probable lens.
+    compared : int
+        Number of lenses.
+    plausible : tuple of str
+        Smallest set of lenses, by falling probability, that reaches 0.95.
+    simplest : str
+        The one of them with the fewest parameters.
+    worth, beyond : float or None
+        Largest difference in prediction among the plausible ones, px: where the points are, and
+        over the whole image; None where there are no others, or they can't be compared.
     """
-    best = lenses[0]
-    plausible: list[JudgedLens] = []
-    total = 0.0
-    for judged in lenses:
-        plausible.append(judged)
-        total += judged.probability
-        if total >= PLAUSIBLE:
-            break
-    others = plausible[1:]
-    worth, beyond = (
-        _widest([getattr(j, name) for j in others]) for name in ("inside", "difference")
-    )
-    status = "undecided"
-    if len(lenses) == 1:
-        status, text = "single", f"{best.name} is the only lens compared."
-    elif not others:
-        status = "decided"
-        second = lenses[1]
-        factor = best.log_evidence - second.log_evidence
-        text = (
-            f"These views support {best.name}, {percent(best.probability)}: decided at 95%. Next "
-            f"is {second.name}, 2 ln B = {2 * factor:.1f}, {strength(factor)} (Kass & Raftery)."
-        )
-    else:
-        names = ", ".join(f"{j.name} ({percent(j.probability)})" for j in others)
-        lead = f"{best.name} is the most probable, {percent(best.probability)}; "
-        if worth is not None and worth <= TOLERANCE:
-            status = "suffices"
-            simplest = min(plausible, key=lambda j: j.model.dimension)
-            text = (
-                f"{lead}{names} can't be excluded, but predict the same within "
-                f"{significant(worth)} px where there are points: {simplest.name} suffices there."
-            )
-            if beyond is None or beyond > TOLERANCE:
-                far = "" if beyond is None else f", by up to {significant(beyond)} px"
-                text += f" Beyond the points they part{far}: photograph the target there."
-        else:
-            by = (
-                "an amount that can't be told"
-                if worth is None
-                else f"up to {significant(worth)} px"
-            )
-            text = (
-                f"Undecided, and it matters: {lead}{names} can't be excluded at 95%, and "
-                f"predictions differ by {by} where there are points."
-            )
-    return LensVerdict(
-        best.name, tuple(j.name for j in plausible), status, worth, beyond, tuple(caveats), text
-    )
+
+    best: str
+    compared: int
+    plausible: tuple[str, ...]
+    simplest: str
+    worth: float | None
+    beyond: float | None
+
+    @property
+    def status(self) -> str:
+        """Single, decided, suffices, undecided or, where withheld, best compared."""
+        if self.compared == 1:
+            return "single"
+        if self.withheld:
+            return "best compared"
+        if len(self.plausible) == 1:
+            return "decided"
+        return "suffices" if self.enough else "undecided"
+
+    @property
+    def decided(self) -> bool:
+        """Whether one lens of several alone is plausible, and nothing stands against that."""
+        return self.status == "decided"
+
+    @property
+    def enough(self) -> bool:
+        """Whether the plausible lenses predict the same where there are points."""
+        return self.worth is not None and self.worth <= TOLERANCE
+
+    @property
+    def recommended(self) -> str:
+        """Name the most probable lens."""
+        return self.best
+
+    @property
+    def standing(self) -> str:
+        """How the most probable lens stands, in a few words."""
+        if self.compared == 1:
+            return "; ".join(("the only one compared", *self.withheld[:1]))
+        chance, others = f"{percent(self.chances[0])} probable", len(self.plausible) - 1
+        if self.withheld:
+            return f"{chance} among those compared; not decided: {self.withheld[0]}"
+        if self.decided:
+            return f"{chance}; decided at 95%"
+        return f"{chance}; {counted(others, 'other')} not excluded"
+
+    @property
+    def headline(self) -> str:
+        """The outcome in a sentence."""
+        withheld = listed_words(self.withheld)
+        if self.compared == 1:
+            only = f"{self.best} is the only lens compared"
+            return f"{only}, and {withheld}." if withheld else f"{only}."
+        own, names = percent(self.chances[0]), self._others
+        if withheld:
+            why = f"{names} can't be excluded at 95%, and {withheld}" if names else withheld
+            return f"{self.best} is the best of those compared, {own}; not decided: {why}."
+        if not names:
+            return f"These views support {self.best}, {own}: decided at 95%."
+        lead = f"{self.best} is the most probable, {own}; {names} can't be excluded at 95%"
+        if self.enough:
+            return f"{lead}, but {self._apart}: {self.simplest} suffices there."
+        return f"Undecided, and it matters: {lead}, and {self._apart}."
+
+    @property
+    def _others(self) -> str:
+        named = zip(self.plausible[1:], self.chances[1:], strict=True)
+        return ", ".join(f"{name} ({percent(chance)})" for name, chance in named)
+
+    @property
+    def _apart(self) -> str:
+        """How far predictions of the plausible lenses are apart."""
+        if self.worth is None:
+            return "how far predictions differ where there are points can't be told"
+        size = f"{significant(self.worth)} px where there are points"
+        if self.enough:
+            return f"predictions are the same within {size}"
+        return f"predictions differ by up to {size}"

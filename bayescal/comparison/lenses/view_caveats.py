@@ -6,8 +6,11 @@ import math
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
+from scipy.stats import ttest_1samp
 
 from bayescal.calibration.laplace import degrees
+from bayescal.comparison.findings.finding import Finding, limits, overturns
+from bayescal.comparison.findings.misfit import BECAUSE, GRAVE
 from bayescal.comparison.lenses.results import Evidenced
 from bayescal.comparison.orders.weak import PART
 from bayescal.rounding import counted, significant
@@ -16,7 +19,7 @@ USUAL_SIGMA = (0.05, 0.3)  # px: of corner detectors
 FEW_VIEWS = 5
 LOUD = 2.0  # times the usual residuals: a view that stands out
 CELLS = (4, 3)
-SIGNIFICANT, NOTICEABLE = 4.0, 0.05  # standard errors; px
+NOTICEABLE = 0.05  # px
 PARALLEL = 8.0  # degrees that normals of planes should differ by at least
 WIDER = 1.5  # times: where the spread over views is to be quoted
 DRIFT = 2.5
@@ -28,15 +31,18 @@ WORDS = {  # coordinates of the intrinsics
 COVERED = 0.85  # of the radius of the image's corners
 
 
-def few_views(basis: Evidenced) -> str | None:
+def few_views(basis: Evidenced) -> Finding | None:
     """Too few views to tell noise from lens."""
     n = len(basis.views)
     if n >= FEW_VIEWS:
         return None
-    return f"{counted(n, 'view')} only: what differs from view to view is hardly known; take more"
+    return limits(
+        "few-views",
+        f"{counted(n, 'view')} only: what differs from view to view is hardly known; take more",
+    )
 
 
-def parallel(basis: Evidenced) -> str | None:
+def parallel(basis: Evidenced) -> Finding | None:
     """Planes that are all parallel can't tell the focal length from the distance."""
     if not basis.setting.data.planar or len(basis.views) < 2:
         return None
@@ -45,13 +51,14 @@ def parallel(basis: Evidenced) -> str | None:
     angle = math.degrees(math.acos(min(1.0, float((normals @ mean / np.linalg.norm(mean)).min()))))
     if angle > PARALLEL:
         return None
-    return (
+    return limits(
+        "parallel",
         f"the target is nearly parallel in all views (within {angle:.1f} degrees): focal length "
-        "and distance can't be told apart; tilt it"
+        "and distance can't be told apart; tilt it",
     )
 
 
-def undetermined(basis: Evidenced) -> str | None:
+def undetermined(basis: Evidenced) -> Finding | None:
     """Find what the views leave nearly as open as the prior, by the posterior's eigenvectors."""
     model = basis.problem.model
     _, sd = model.plain_prior
@@ -64,13 +71,14 @@ def undetermined(basis: Evidenced) -> str | None:
     names = [model.names[j] for j in np.argsort(-shares) if shares[j] >= PART]
     said = list(dict.fromkeys(WORDS.get(name, name) for name in names))
     what = f"what the {said[0]} is" if len(said) == 1 else f"{' and '.join(said)} apart"
-    return (
+    return limits(
+        "undetermined",
         f"these views hardly tell {what}: there the posterior is {100 * wide:.0f} % as wide as the "
-        "prior; add views from other sides and distances"
+        "prior; add views from other sides and distances",
     )
 
 
-def loud_views(basis: Evidenced) -> str | None:
+def loud_views(basis: Evidenced) -> Finding | None:
     """Name views whose residuals stand out."""
     data = basis.setting.data
     squares = (basis.problem.noise**2).sum(axis=(1, 2))
@@ -81,15 +89,21 @@ def loud_views(basis: Evidenced) -> str | None:
     names = ", ".join(
         f"{basis.views.names[v]} ({per_view[v] / np.median(per_view):.1f} times)" for v in loud[:4]
     )
-    return f"residuals of some views are far above the usual: {names}; see what is wrong there"
+    return limits(
+        "loud-views",
+        f"residuals of some views are far above the usual: {names}; see what is wrong there",
+    )
 
 
-def by_place(basis: Evidenced) -> str | None:
-    """Residuals that depend on where in the image they are, the same in most views."""
+def by_place(basis: Evidenced) -> Finding | None:
+    """Residuals that depend on where in the image they are, the same in most views.
+
+    A t test of the views' means in each cell and direction, p-values times their number.
+    """
     data, residuals = basis.setting.data, basis.problem.noise
     edges = [np.linspace(0, s, n + 1)[1:-1] for s, n in zip(data.size, CELLS, strict=True)]
     cell = [np.digitize(data.pixels[..., axis], edges[axis]) for axis in (0, 1)]
-    worst, found = 0.0, 0
+    means, p_values = [], []
     for column in range(CELLS[0]):
         for row in range(CELLS[1]):
             here = (cell[0] == column) & (cell[1] == row) & data.seen
@@ -97,20 +111,25 @@ def by_place(basis: Evidenced) -> str | None:
             views = counts >= 3
             if views.sum() < FEW_VIEWS:
                 continue
-            means = (residuals * here[..., None]).sum(axis=1)[views] / counts[views][:, None]
-            mean, error = means.mean(axis=0), means.std(axis=0, ddof=1) / math.sqrt(views.sum())
-            far = (np.abs(mean) > SIGNIFICANT * error) & (np.abs(mean) > NOTICEABLE)
-            found += bool(far.any())
-            worst = max(worst, float(np.abs(mean[far]).max(initial=0.0)))
-    if not found:
+            own = (residuals * here[..., None]).sum(axis=1)[views] / counts[views][:, None]
+            means.append(np.abs(own.mean(axis=0)))
+            p_values.append(ttest_1samp(own, 0.0).pvalue)
+    if not means:
         return None
-    return (
-        f"residuals depend on the place in the image ({found} of {CELLS[0] * CELLS[1]} cells, up "
-        f"to {significant(worst)} px): the lens has a shape that the model lacks"
+    size, p = np.array(means), np.array(p_values)
+    far = (p * p.size < GRAVE) & (size > NOTICEABLE)
+    if not far.any():
+        return None
+    return overturns(
+        "misfit: surface",
+        f"residuals depend on the place in the image ({int(far.any(axis=1).sum())} of "
+        f"{CELLS[0] * CELLS[1]} cells, up to {significant(float(size[far].max()))} px): the lens "
+        "has a shape that the model lacks",
+        BECAUSE["surface"],
     )
 
 
-def drift(basis: Evidenced) -> str | None:
+def drift(basis: Evidenced) -> Finding | None:
     """Two halves of the views that disagree."""
     ratios = [
         (p.halves / p.infinity, p) for p in basis.places if p.halves is not None and p.infinity
@@ -120,27 +139,29 @@ def drift(basis: Evidenced) -> str | None:
     ratio, place = max(ratios, key=lambda pair: pair[0])
     if ratio < DRIFT or place.halves is None:
         return None
-    return (
+    return limits(
+        "drift",
         f"two halves of the views disagree by {significant(2 * place.halves)} px at the "
         f"{place.name}, {ratio:.1f} times what the posterior allows: the camera may have moved or "
-        "changed"
+        "changed",
     )
 
 
-def wider(basis: Evidenced) -> str | None:
+def wider(basis: Evidenced) -> Finding | None:
     """Find a spread over views clearly larger than the posterior's."""
     ratios = [
         p.jackknife / p.infinity for p in basis.places if p.jackknife is not None and p.infinity
     ]
     if not ratios or np.median(ratios) < WIDER:
         return None
-    return (
+    return limits(
+        "spread",
         f"the spread over views is {np.median(ratios):.1f} times the posterior's deviation: quote "
-        "the spread (column jackknife)"
+        "the spread (column jackknife)",
     )
 
 
-def cover(basis: Evidenced) -> str | None:
+def cover(basis: Evidenced) -> Finding | None:
     """Corners of the image that no point comes near."""
     data = basis.setting.data
     pixels = data.pixels[data.seen]
@@ -152,13 +173,14 @@ def cover(basis: Evidenced) -> str | None:
         area = 0.0
     if reach >= COVERED and area >= 0.6:
         return None
-    return (
+    return limits(
+        "cover",
         f"points cover {100 * area:.0f} % of the image and reach {100 * reach:.0f} % of the way to "
-        "its corners: what is said of the corners is extrapolated"
+        "its corners: what is said of the corners is extrapolated",
     )
 
 
-def sigma_unusual(basis: Evidenced) -> str | None:
+def sigma_unusual(basis: Evidenced) -> Finding | None:
     """Noise far from what corner detectors have."""
     if basis.setting.level.sigma is not None:
         return None
@@ -167,10 +189,13 @@ def sigma_unusual(basis: Evidenced) -> str | None:
     low, high = USUAL_SIGMA
     total = basis.best.rms / math.sqrt(2)
     if total > high:
-        return (
+        return limits(
+            "noise",
             f"residuals of {significant(total)} px are more than a corner detector's usual "
-            f"{low:g} to {high:g} px: look for blur, wrong corners or a lens that none of these is"
+            f"{low:g} to {high:g} px: look for blur, wrong corners or a lens that none of these is",
         )
     if sigma < low / 3:
-        return f"a noise of {sigma:.2g} px is less than detectors have: check the points"
+        return limits(
+            "noise", f"a noise of {sigma:.2g} px is less than detectors have: check the points"
+        )
     return None

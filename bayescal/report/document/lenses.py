@@ -6,7 +6,13 @@ from dataclasses import asdict
 from typing import Any
 
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
-from bayescal.report.document.shared import evidence_facts, finite, provenance, summary_facts
+from bayescal.report.document.shared import (
+    evidence_facts,
+    findings_facts,
+    finite,
+    provenance,
+    summary_facts,
+)
 
 SCHEMA = "bayescal.lenses/1"
 
@@ -70,8 +76,10 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
             "best": verdict.best,
             "plausible": list(verdict.plausible),
             "status": verdict.status,
+            "decided": verdict.decided,
             "difference_inside_px": verdict.worth,
             "difference_image_px": verdict.beyond,
+            "findings": findings_facts(verdict.findings),
             "caveats": list(verdict.caveats),
             "text": verdict.text,
         },

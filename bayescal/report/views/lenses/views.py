@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bayescal.comparison.lenses.results import LensComparison
-from bayescal.comparison.verdict import percent
 from bayescal.report.blocks import (
     Answer,
     Answers,
@@ -171,15 +170,9 @@ VIEWS = Views(
 
 def _answers(found: LensComparison) -> tuple[Answer, ...]:
     """Say in large type which lens, and how sure its projection is."""
-    best, others = found.best, len(found.verdict.plausible) - 1
-    standing = f"{percent(best.probability)} probable"
-    if len(found.lenses) == 1:
-        standing = "the only one compared"
-    elif others:
-        standing += f"; {others} other{'s' * (others > 1)} not excluded"
-    else:
-        standing += "; decided at 95%"
-    answers = [Answer("lens", best.name, standing, told_below(found.verdict.caveats))]
+    verdict = found.verdict
+    doubts = verdict.withheld or told_below(verdict.caveats)
+    answers = [Answer("lens", verdict.recommended, verdict.standing, doubts)]
     known = {place.name: place.infinity for place in found.places}
     corners = [v for name, v in known.items() if name.endswith("corner") and v is not None]
     if known["centre"] is not None and corners:
