@@ -55,10 +55,13 @@ def test_the_document_holds_the_covariance(place, tmp_path):
     np.testing.assert_allclose([float(row["sd"]) for row in rows], sd, rtol=1e-9)
 
 
-def test_noise_above_the_calibrations_is_said(place):
-    words = ("--target", "--sigma", "0.001")
-    done = here("locate", place / "camera.npz", place / "target.csv", *words)
-    assert "far more than the noise makes" in " ".join(done.out.split())
+def test_noise_above_the_calibrations_is_said(place, tmp_path):
+    lines = (place / "target.csv").read_text().splitlines()
+    first = lines[1].split(",")
+    lines[1] = ",".join([*first[:3], str(float(first[3]) + 4.0), first[4]])
+    (tmp_path / "off.csv").write_text("\n".join(lines) + "\n")
+    done = here("locate", place / "camera.npz", tmp_path / "off.csv", "--target")
+    assert "far more than the noise and" in " ".join(done.out.split())
 
 
 def test_what_is_no_target(place):

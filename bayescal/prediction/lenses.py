@@ -103,7 +103,36 @@ def _noise(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) 
         dof = degrees(data)
         total = judged.rms**2 * data.n_points
         log_sigma = np.log(total / rng.chisquare(dof, KEPT)) / 2
-    return NewNoise(np.column_stack([log_sigma, log_sigma]), np.empty((KEPT, 2, 0)))
+    both, none = np.column_stack([log_sigma, log_sigma]), np.empty((KEPT, 2, 0))
+    return NewNoise(both, none, neighbours=_neighbours(found, judged, np.exp(log_sigma), rng))
+
+
+def _neighbours(
+    found: LensComparison, judged: JudgedLens, alone: Array, rng: np.random.Generator
+) -> Array | None:
+    """Draw what neighbours share, the error models averaged; None where they share nothing.
+
+    The target's own errors count as each point's own; `alone` has the noise, ``(KEPT,)``, px,
+    where nothing is shared.
+    """
+    setting, errors, best = found.setting, judged.evidence.errors, judged.evidence.problem
+    shares = np.array(errors.weights)
+    picked = rng.choice(len(shares), KEPT, p=shares / shares.sum())
+    out = np.column_stack([alone, np.zeros((KEPT, 2))])
+    for i in np.unique(picked):
+        error, rows = setting.grid.error(errors.nodes[i]), np.flatnonzero(picked == i)
+        if not error.correlated:
+            continue
+        if setting.level.sigma is None:
+            squares = setting.problem(best.model, best.x, best.poses, errors.nodes[i]).reduced
+            drawn = rng.chisquare(degrees(setting.data), len(rows))
+            sigma = np.sqrt(squares.sum_of_squares / drawn)
+        else:
+            sigma = np.full(len(rows), setting.level.sigma)
+        out[rows, 0] = sigma * math.sqrt(1 + error.rough**2 + error.smooth**2)
+        out[rows, 1] = sigma * math.sqrt(error.correlated)
+        out[rows, 2] = error.length * setting.data.diagonal
+    return out if out[:, 1].any() else None
 
 
 def named(key: str) -> tuple[str, dict[str, int | bool]]:

@@ -42,6 +42,10 @@ class NewNoise:
         Degrees of freedom of Student-t noise, where they are fixed.
     bad_offset : bool
         Whether bad points have an offset.
+    neighbours : Array or None
+        Of a picture of a target whose neighbours share noise, draws of: sd of a point's own, sd
+        of the shared (px), its correlation length (world units), ``(n_draws, 3)``; covariance is
+        own^2 I + shared^2 exp(-d / length), d the distance on the target.
     """
 
     log_sigma: Array
@@ -49,6 +53,7 @@ class NewNoise:
     name: str = "gaussian"
     nu: float | None = None
     bad_offset: bool = False
+    neighbours: Array | None = None
 
     @property
     def gaussian(self) -> bool:

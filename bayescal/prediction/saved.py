@@ -119,6 +119,8 @@ def _packed(member: Member, at: str, arrays: dict[str, Array]) -> dict[str, Any]
             f"{at}eta": noise.eta,
         }
     )
+    if noise.neighbours is not None:
+        arrays[f"{at}neighbours"] = noise.neighbours
     values: dict[str, Any] = {
         "name": member.name,
         "exact": kept.exact,
@@ -162,7 +164,12 @@ def _member(values: dict[str, Any], at: str, arrays: dict[str, Array]) -> Member
     parameters = Parameters(
         arrays[f"{at}mean"], arrays[f"{at}root"], arrays[f"{at}draws"], values["exact"]
     )
-    noise = NewNoise(arrays[f"{at}log_sigma"], arrays[f"{at}eta"], **values["noise"])
+    noise = NewNoise(
+        arrays[f"{at}log_sigma"],
+        arrays[f"{at}eta"],
+        **values["noise"],
+        neighbours=arrays.get(f"{at}neighbours"),
+    )
     if "lens" in values:
         return LensMember(
             values["name"],

@@ -2,9 +2,8 @@ r"""The pose of a known target in a new picture, with what the calibration leave
 
 The pose is the least-squares one of the mean lens, as solvePnP's, averaged over the models where
 the camera is. Its covariance is computed twice: by Monte Carlo (JCGM 101, 102), the pose solved
-anew for every draw of the posterior with new noise on the pixels, and linearly: with J the pixels'
-derivatives by the pose, A = (J'WJ)^-1 J'W carries the pixels' covariance to the pose, where a
-one-sd step of the calibration's parameters moves the pixels by d and so the pose by -A d.
+anew for every draw of the posterior with new noise on the pixels, and linearly
+(`bayescal.prediction.propagating`).
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import gammaincc
 
 from bayescal.arrays import Array, ArrayLike
 from bayescal.cameras.pose import rotation_vectors, rotations
@@ -22,7 +20,9 @@ from bayescal.errors import InputError
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.given import checked
 from bayescal.prediction.members import BoolArray, LensMember, Member, Parameters
-from bayescal.prediction.placing import Placed, sensitivity, settle_poses, starts
+from bayescal.prediction.picture import Picture
+from bayescal.prediction.placing import Placed, settle_poses, starts
+from bayescal.prediction.propagating import Propagated, propagated
 
 FEWEST = 4
 SOURCES = ("noise", "coefficients", "models")
@@ -54,7 +54,11 @@ class TargetPose:
     residuals : Array
         Measured less predicted pixels, ``(n, 2)``, px, of the most probable model.
     chi2 : float
-        Of those residuals, at the noise of the calibration or that stated.
+        Of those residuals, by the noise of the calibration, or that stated, and what the
+        calibration leaves unknown of the lens.
+    p_value : float or None
+        Probability of so large a chi-squared, averaged over the models; None of four points on a
+        plane or fewer dof.
     extrapolated : ndarray of bool
         Which points lie beyond what the camera was calibrated with, ``(n,)``.
     second : TargetPose or None
@@ -72,6 +76,7 @@ class TargetPose:
     parts: dict[str, Array]
     residuals: Array
     chi2: float
+    p_value: float | None
     extrapolated: BoolArray
     second: TargetPose | None
     odds: float
@@ -96,11 +101,6 @@ class TargetPose:
     def rms(self) -> float:
         """Root mean square distance of the pixels from the predicted ones, px."""
         return math.sqrt((self.residuals**2).sum() / len(self.residuals))
-
-    @property
-    def p_value(self) -> float | None:
-        """Probability of so large a chi-squared; None of four points on a plane or fewer dof."""
-        return float(gammaincc(self.dof / 2, self.chi2 / 2)) if self.dof > 0 else None
 
     def __repr__(self) -> str:
         at = ", ".join(f"{v:.6g}" for v in self.position)
@@ -143,14 +143,18 @@ def locate_target(
     camera = camera.average(average)
     own = camera.recorded(measured)
     members = [_in_own_frame(m) for m in camera.used[0]]
-    every = [_solutions(m, points, own, _scale(m, sigma)) for m in members]
+    pictures = [Picture(m.noise, sigma) for m in members]
+    every = [
+        _solutions(m, points, own, picture.scale)
+        for m, picture in zip(members, pictures, strict=True)
+    ]
     best = [found[0] for found in every]
-    first = _pose(camera, members, best, points, own, sigma, seed)
+    first = _pose(camera, members, best, points, own, pictures, seed)
     others = [p for p in every[0][1:] if p.cost[0] - best[0].cost[0] < 2 * math.log(ODDS)]
     if not others:
         return first
     near = [_nearest(found, others[0]) for found in every]
-    second = _pose(camera, members, near, points, own, sigma, seed)
+    second = _pose(camera, members, near, points, own, pictures, seed)
     odds = math.exp(min((others[0].cost[0] - best[0].cost[0]) / 2, 700.0))
     return replace(first, second=second, odds=odds)
 
@@ -176,10 +180,6 @@ def _in_own_frame(member: Member) -> Member:
     kept, n = member.parameters, member.n_lens
     own = Parameters(kept.mean[:n], kept.root[:n], kept.draws[:, :n], kept.exact)
     return replace(member, turn=None, parameters=own)
-
-
-def _scale(member: Member, sigma: float | None) -> Array:
-    return member.noise.scale if sigma is None else np.array([sigma, sigma])
 
 
 def _solutions(member: Member, points: Array, pixels: Array, scale: Array) -> list[Placed]:
@@ -218,7 +218,7 @@ def _pose(
     at: Sequence[Placed],
     points: Array,
     pixels: Array,
-    sigma: float | None,
+    pictures: Sequence[Picture],
     seed: int,
 ) -> TargetPose:
     """Average the models' poses, with their covariance."""
@@ -230,15 +230,16 @@ def _pose(
     )
     covariance, linear = np.zeros((6, 6)), np.zeros((6, 6))
     variances = {name: np.zeros(6) for name in SOURCES}
-    for i, (member, one, w) in enumerate(zip(members, at, weights, strict=True)):
-        noise, lens = _linear(member, one, points, _scale(member, sigma))
+    told: list[Propagated] = []
+    for i, (member, one, picture, w) in enumerate(zip(members, at, pictures, weights, strict=True)):
+        told.append(propagated(member, one, points, pixels, picture, seed))
         away = centres[i] - shift
         between = np.outer(away, away)
-        for name, part in zip(SOURCES, (noise, lens, between), strict=True):
+        for name, part in zip(SOURCES, (told[i].noise, told[i].lens, between), strict=True):
             variances[name] += w * np.diag(part)
-        linear += w * (noise + lens + between)
+        linear += w * (told[i].noise + told[i].lens + between)
         rng = np.random.default_rng([seed, i, 2])
-        steps = _drawn(member, one, points, sigma, rng).steps_from(mean)
+        steps = _drawn(member, one, points, picture, rng).steps_from(mean)
         usable = np.isfinite(steps).all(axis=1)
         covariance += w * (steps[usable].T @ steps[usable]) / max(usable.sum(), 1)
     member, theta = members[0], members[0].parameters.mean[None]
@@ -252,7 +253,8 @@ def _pose(
         linear,
         {name: np.sqrt(v) for name, v in variances.items()},
         (pixels - predicted[0]) * sign,
-        float(at[0].cost[0]),
+        told[0].chi2,
+        _averaged([one.p_value for one in told], weights),
         ~np.asarray(np.all([m.covered(world) for m in members], axis=0)),
         None,
         math.inf,
@@ -260,41 +262,24 @@ def _pose(
     )
 
 
-def _linear(member: Member, at: Placed, points: Array, scale: Array) -> tuple[Array, Array]:
-    """Covariance of the pose by the pixels' noise and by the calibration's, ``(6, 6)`` each."""
-    kept = member.parameters
-    zero = np.zeros((1, len(points), 2))
-    _, slope, _ = sensitivity(member, kept.mean[None], points, zero, scale, at)
-    carried = np.linalg.pinv(slope[0])
-    world = points @ at.rotation[0].T + at.position[0]
-    moved, _ = member.project(kept.steps, world)
-    d = (len(kept.steps) - 1) // 2
-    steps = (moved[1 : 1 + d] - moved[1 + d :]) / 2 / scale
-    lens = carried @ steps.reshape(d, -1).T
-    return carried @ carried.T, lens @ lens.T
+def _averaged(p_values: Sequence[float | None], weights: Array) -> float | None:
+    known = [p for p in p_values if p is not None]
+    return float(weights @ known) if known else None
 
 
 def _drawn(
-    member: Member,
-    at: Placed,
-    points: Array,
-    sigma: float | None,
-    rng: np.random.Generator,
+    member: Member, at: Placed, points: Array, picture: Picture, rng: np.random.Generator
 ) -> Placed:
     """Poses of every draw, its noise added to the pixels."""
-    draws, scale = member.parameters.draws, _scale(member, sigma)
-    m = len(draws)
-    if sigma is None:
-        noise = member.noise.draw(rng, len(points))
-    else:
-        noise = sigma * rng.standard_normal((m, len(points), 2))
+    draws, m = member.parameters.draws, len(member.parameters.draws)
+    noise = picture.draw(rng, points)
     # Noise about what is predicted: with the residuals it would count twice.
     world = points @ at.rotation[0].T + at.position[0]
     predicted, _ = member.project(member.parameters.mean[None], world)
     start = Placed(
         np.repeat(at.rotation, m, axis=0), np.repeat(at.position, m, axis=0), np.zeros(m)
     )
-    found = settle_poses(member, draws, points, predicted + noise, scale, start)
+    found = settle_poses(member, draws, points, predicted + noise, picture.scale, start)
     lost = ~np.isfinite(found.cost)
     found.position[lost] = np.nan
     return found

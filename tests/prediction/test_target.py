@@ -7,14 +7,17 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from scipy import stats
+from scipy import linalg, stats
 
 import bayescal as bc
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.errors import InputError
 from bayescal.prediction.members import LensMember, Parameters
-from bayescal.prediction.target import locate_target
-from tests.helpers.boards import board
+from bayescal.prediction.picture import Picture
+from bayescal.prediction.placing import Placed, sensitivity, settle_poses
+from bayescal.prediction.propagating import propagated
+from bayescal.prediction.target import _in_own_frame, locate_target
+from tests.helpers.boards import board, pictures
 from tests.helpers.cases import camera_points
 
 TURN, AT = np.array([0.3, -0.4, 0.2]), np.array([-20.0, 15.0, 420.0])
@@ -84,6 +87,81 @@ def test_noise_alone_is_the_covariance_of_repeated_pictures(camera):
     sd = np.std(repeats, axis=0)
     np.testing.assert_allclose(found.sd, sd, rtol=4 / np.sqrt(800) + 4 / np.sqrt(2000))
     assert (found.parts["coefficients"] < 1e-12).all()
+
+
+RHO, LENGTH = 1.0, 4 * 25.0  # squares of the board
+
+
+def test_neighbours_that_share_noise_are_as_sure_as_repeated_pictures(camera):
+    """Truth: solvePnP of 300 pictures whose noise is correlated; independent noise is a control."""
+    sure, points, rng = without_lens(camera), board(), np.random.default_rng(12)
+    member = sure.chosen
+    levels = np.tile([0.3, 0.3 * np.sqrt(RHO), LENGTH], (1000, 1))
+    noise = replace(member.noise, neighbours=levels)
+    sharing = replace(sure, members=(replace(member, noise=noise),))
+    exact = seen(camera, points)
+    found = locate_target(sharing, points, exact)
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2)
+    root = 0.3 * np.linalg.cholesky(np.eye(len(points)) + RHO * np.exp(-apart / LENGTH))
+    repeats = []
+    for _ in range(300):
+        pixels = exact + root @ rng.standard_normal(exact.shape)
+        turn, at = refined(camera, points, pixels)
+        repeats.append([*(at - AT), *rotation_vectors(rotations(turn) @ rotations(TURN).T)])
+    sd = np.std(repeats, axis=0)
+    tolerance = 4 / np.sqrt(600) + 4 / np.sqrt(2000)
+    np.testing.assert_allclose(found.sd, sd, rtol=tolerance)
+    np.testing.assert_allclose(np.sqrt(np.diag(found.linear_covariance)), sd, rtol=4 / np.sqrt(600))
+    alone = locate_target(sure, points, exact, sigma=0.3 * np.sqrt(1 + RHO))
+    assert (alone.sd < sd / (1 + tolerance)).any()
+    stated = locate_target(sharing, points, exact, sigma=0.3 * np.sqrt(1 + RHO))
+    np.testing.assert_allclose(stated.linear_covariance, found.linear_covariance)
+
+
+def test_chi_squared_is_that_of_the_noise_and_the_lens_together(camera):
+    """Truth: the same by dense matrices, over what no step of the pose reaches."""
+    member, points = camera.chosen, board(4, 3, 60.0)
+    levels = np.tile([0.2, 0.1, 80.0], (1000, 1))
+    member = replace(member, noise=replace(member.noise, neighbours=levels))
+    pixels = seen(camera, points) + np.random.default_rng(5).normal(0, 0.2, (12, 2))
+    own = replace(camera, members=(member,))
+    found = locate_target(own, points, pixels)
+    at = Placed(rotations(found.rotation[None]), found.position[None], np.zeros(1))
+    plain = _in_own_frame(member)
+    scale = Picture(plain.noise).scale
+    _, slope, _ = sensitivity(plain, plain.parameters.mean[None], points, pixels[None], scale, at)
+    world = points @ found.matrix.T + found.position
+    moved, _ = plain.project(plain.parameters.steps, world)
+    d = (len(moved) - 1) // 2
+    steps = ((moved[1 : 1 + d] - moved[1 + d :]) / 2 / scale).reshape(d, -1).T
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2)
+    noise = (0.04 * np.eye(12) + 0.01 * np.exp(-apart / 80.0)) / 0.05
+    covariance = np.kron(noise, np.eye(2)) + steps @ steps.T
+    free = linalg.null_space(slope[0].T)
+    left = free.T @ (found.residuals / scale).ravel()
+    expected = left @ np.linalg.solve(free.T @ covariance @ free, left)
+    assert found.chi2 == pytest.approx(expected, rel=1e-6)
+
+
+def test_false_alarms_are_as_rare_as_stated():
+    """Truth: cameras drawn from posteriors of 15 points; p is uniform, four standard errors."""
+    rng, found = np.random.default_rng(6), []
+    camera = bc.camera(bc.fit(camera_points(15, noise=1.0), 2, 1, ess=400))
+    member, body = camera.chosen, BODY / 2
+    at = Placed(rotations(np.zeros((1, 3))), np.array([[0.0, 0.0, 150.0]]), np.zeros(1))
+    world = body @ at.rotation[0].T + at.position[0]
+    picture = Picture(member.noise)
+    for i in range(0, 1000, 5):
+        theta, sigma = member.parameters.draws[i], np.exp(member.noise.log_sigma[i])
+        pixels = member.project(theta[None], world)[0][0]
+        pixels = pixels + sigma * rng.standard_normal(pixels.shape)
+        placed = settle_poses(
+            member, member.parameters.mean[None], body, pixels[None], picture.scale, at
+        )
+        found.append(propagated(member, placed, body, pixels, picture, 0).p_value)
+    for level in (0.01, 0.05, 0.5):
+        inside = np.mean(np.array(found) < level)
+        assert abs(inside - level) < 4 * np.sqrt(level * (1 - level) / len(found)), level
 
 
 def test_both_propagations_agree_and_add_up(camera):
@@ -170,3 +248,26 @@ def test_a_data_frame_holds_both(camera):
     np.testing.assert_array_equal(found.covariance, again.covariance)
     with pytest.raises(InputError, match="pixels are missing"):
         bc.locate_target(camera, board())
+
+
+def test_a_calibration_keeps_what_neighbours_share(tmp_path):
+    """Truth: 0.1 px of each point's own, sqrt(2) times as much shared over 100; the draws' sd."""
+    rng = np.random.default_rng(3)
+    world, pixels = pictures(rng, 6, (-0.2, 0.0, 0.0, 0.0, 0.0), 1e-6)
+    apart = np.linalg.norm(world[:, None] - world[None], axis=2)
+    root = 0.1 * np.linalg.cholesky(np.eye(len(world)) + 2 * np.exp(-apart / 100.0))
+    pixels = pixels + root @ rng.standard_normal(pixels.shape)
+    views = bc.Views.from_arrays([world] * 6, list(pixels), width=640, height=480)
+    camera = bc.camera(bc.calibrate(views, lenses=["radial 1"], ess=100))
+    levels = camera.chosen.noise.neighbours
+    sharing = levels[levels[:, 1] > 0]
+    assert len(sharing) > 900
+    mean, sd = np.log(sharing).mean(axis=0), np.log(sharing).std(axis=0)
+    assert (np.abs(mean - np.log([0.1, 0.1 * np.sqrt(2), 100.0])) < 3 * sd).all()
+    bc.keep_camera(camera, tmp_path / "camera.npz")
+    again = bc.camera(tmp_path / "camera.npz")
+    np.testing.assert_array_equal(again.chosen.noise.neighbours, levels)
+
+
+def test_independent_noise_is_shared_by_none(camera):
+    assert camera.chosen.noise.neighbours is None

@@ -42,8 +42,28 @@ def target_view(camera: CalibratedCamera, table: PartialTable, found: TargetPose
     caption = f"Pose of the target in the {found.frame}'s frame."
     return (
         Listing((about,), "about"),
-        Tabled("target", caption, shown, tuple(_lines(found))),
+        Tabled("target", caption, shown, (*_lines(found), *_sharing(camera))),
     )
+
+
+def _sharing(camera: CalibratedCamera) -> list[str]:
+    """Say what noise of neighbours is taken over from the calibration."""
+    members, weights = camera.used
+    levels = [m.noise.neighbours for m in members]
+    drawn = np.array([0.0 if n is None else (n[:, 1] > 0).mean() for n in levels])
+    chance, first = (
+        float(np.array(weights) @ drawn),
+        next((n for n in levels if n is not None), None),
+    )
+    if first is None:
+        return []
+    own, shared, length = np.median(first[first[:, 1] > 0], axis=0)
+    return [
+        f"Neighbours on the target shared noise in the calibration (probability {100 * chance:.0f} "
+        f"%; {significant(shared)} px over {significant(length)} world units, beside "
+        f"{significant(own)} px of each point's own). The same is assumed here: it makes the pose "
+        "less sure than independent noise would."
+    ]
 
 
 def _lines(found: TargetPose) -> list[str]:
@@ -62,8 +82,9 @@ def _lines(found: TargetPose) -> list[str]:
     elif found.p_value < UNLIKELY:
         lines.append(
             f"{text}: chi-squared {found.chi2:.1f} at {found.dof} dof is far more than the noise "
-            "makes (p < 0.001). Another target, a wrong pixel, or noise above the calibration's: "
-            "state it by --sigma; until then the sds are too small."
+            "and the calibration's own uncertainty make (p < 0.001). Another target, a wrong "
+            "pixel, or noise above the calibration's: state it by --sigma; until then the sds do "
+            "not hold."
         )
     else:
         lines.append(f"{text}, chi-squared {found.chi2:.1f} at {found.dof} dof.")
