@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import softmax
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, IntArray
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_grid import Node
 from bayescal.calibration.evidence import settled, weighed
 from bayescal.calibration.judge import LensEvidence, Setting
 from bayescal.inference.weighting import resampled
 
-FEWEST = 20  # draws: an error model with less is left out
+FEWEST = 20  # draws at a time from an error model: fewer can't be picked by their weights
 
 
 class ErrorAverage:
@@ -40,15 +40,14 @@ class ErrorAverage:
     def draws(self, rng: np.random.Generator, n: int) -> Array:
         """Draw the lens's coordinates, the error models averaged, ``(about n, dimension)``.
 
-        From each error model as many as its probability is worth, picked from its importance
-        draws by their weights.
+        From each error model as many as its probability is worth (`allotted`), picked from its
+        importance draws by their weights.
         """
         errors = self.evidence.errors
-        shares = np.array(errors.weights)
-        counts = np.floor(shares / shares.sum() * n + 0.5).astype(int)
+        counts = allotted(np.array(errors.weights), n, rng)
         parts: list[Array] = []
         for node, count in zip(errors.nodes, counts, strict=True):
-            if count < FEWEST and len(parts) > 0:
+            if not count:
                 continue
             child = rng.spawn(1)[0]
             _, draws, log_weights = weighed(self.problem(node), child, count)
@@ -66,3 +65,13 @@ class ErrorAverage:
         gap = means - shares @ means
         within = np.einsum("k,kij->ij", shares, np.array([p.laplace.covariance for p in problems]))
         return np.asarray(within + (gap * shares[:, None]).T @ gap)
+
+
+def allotted(shares: Array, n: int, rng: np.random.Generator) -> IntArray:
+    """Share out about `n` draws in lots of `FEWEST`, on average as the shares say, ``(n_shares,)``.
+
+    Improbable error models get a lot now and then, so that no part of the probability is lost.
+    """
+    lots = max(round(n / FEWEST), 1)
+    picked = resampled(shares / shares.sum(), lots, rng)
+    return np.asarray(FEWEST * np.bincount(picked, minlength=len(shares)))

@@ -69,7 +69,10 @@ def models_words(camera: CalibratedCamera) -> str:
     if len(members) > 1:
         shown = [f"{m.name} {100 * w:.0f} %" for m, w in zip(members, weights, strict=True)]
         more = f"; and {len(shown) - 4} more" if len(shown) > 4 else ""
-        return f"averaged over {len(members)} plausible models: {'; '.join(shown[:4])}{more}"
+        return (
+            f"averaged over {len(members)} plausible models, which have "
+            f"{100 * camera.covered:.0f} % of the probability: {'; '.join(shown[:4])}{more}"
+        )
     rest = len(camera.members) - 1
     others = f" ({counted(rest, 'other model')} can't be excluded: --average)" if rest else ""
     return f"by {members[0].name}{others}"
