@@ -17,12 +17,12 @@ if TYPE_CHECKING:  # a comparison without a defence does not pay for it
 
 EXACT_ELPD = (
     "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
-    "PSIS: the same from the draws, with its Monte Carlo error; ?: none can be told, as a Pareto k "
+    "PSIS: the same from the draws, with its Monte Carlo error; ?: it can't be told, as a Pareto k "
     "is too large."
 )
 SAMPLED_ELPD = (
     "elpd: leave-one-out from the draws (PSIS), one pixel value left out at a time, with its "
-    "Monte Carlo error beside PSIS (?: none can be told, as a Pareto k is too large); behind: the "
+    "Monte Carlo error beside PSIS (?: it can't be told, as a Pareto k is too large); behind: the "
     "best order."
 )
 
