@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,6 +30,9 @@ SOURCES = ("noise", "coefficients", "models")
 QUANTITIES = ("x", "y", "z", "turn x", "turn y", "turn z")
 ODDS = 20.0  # a second pose less likely than one in so many is not told
 SAME = 1e-3  # rad and diagonals: poses closer than this are one
+UNLIKELY = 0.001  # a chi-squared so large by chance is told
+MIRROR = np.array([1.0, 1.0, -1.0])
+BETTER = 0.25  # of chi-squared: a mirror image with half the residuals is told
 FLAT = 1e-9  # of the target's extent: points on a line have no pose
 
 
@@ -46,7 +50,7 @@ class TargetPose:
         t, the place of the target's origin, ``(3,)``, world units.
     covariance : Array
         Of t (world units), then of a turn about the world's fixed axes (rad), ``(6, 6)``, by Monte
-        Carlo: the order and axes of a ROS pose with covariance.
+        Carlo: the order and axes of a ROS pose with covariance, if the world is right-handed.
     linear_covariance : Array
         The same by linear propagation.
     parts : dict of str to Array
@@ -67,6 +71,9 @@ class TargetPose:
         Of the best pose against the second; infinite where there is none.
     frame : str
         ``"world"`` or ``"camera"``.
+    mirrored : float or None
+        Chi-squared of the target's mirror image, z negated, where that fits far better: the target
+        and the world are then of opposite hands.
     """
 
     rotation: Array
@@ -81,6 +88,7 @@ class TargetPose:
     second: TargetPose | None
     odds: float
     frame: str
+    mirrored: float | None = None
 
     @property
     def matrix(self) -> Array:
@@ -150,6 +158,10 @@ def locate_target(
     ]
     best = [found[0] for found in every]
     first = _pose(camera, members, best, points, own, pictures, seed)
+    if first.p_value is not None and first.p_value < UNLIKELY:
+        mirrored = _mirrored(members[0], points, own, pictures[0], seed)
+        if mirrored < BETTER * first.chi2:
+            first = replace(first, mirrored=mirrored)
     others = [p for p in every[0][1:] if p.cost[0] - best[0].cost[0] < 2 * math.log(ODDS)]
     if not others:
         return first
@@ -157,6 +169,15 @@ def locate_target(
     second = _pose(camera, members, near, points, own, pictures, seed)
     odds = math.exp(min((others[0].cost[0] - best[0].cost[0]) / 2, 700.0))
     return replace(first, second=second, odds=odds)
+
+
+def _mirrored(member: Member, points: Array, pixels: Array, picture: Picture, seed: int) -> float:
+    """Chi-squared of the target with z negated; infinite where it has no pose."""
+    image = points * MIRROR
+    with suppress(InputError):
+        at = _solutions(member, image, pixels, picture.scale)[0]
+        return propagated(member, at, image, pixels, picture, seed).chi2
+    return math.inf
 
 
 def _check(points: Array, pixels: Array, sigma: float | None) -> None:

@@ -206,6 +206,20 @@ def test_a_target_before_polynomials_stands_in_the_world():
     assert found.frame == "world"
 
 
+def test_a_target_of_the_other_hand_is_told(camera):
+    """Truth: a body whose mirror image was seen, exactly; a plane is its own mirror image."""
+    pixels = seen(camera, BODY * [1.0, 1.0, -1.0])
+    found = locate_target(camera, BODY, pixels, sigma=0.1)
+    assert found.p_value < 1e-6
+    assert found.mirrored < 1e-6
+    turned = locate_target(camera, BODY * [1.0, 1.0, -1.0], pixels, sigma=0.1)
+    assert turned.mirrored is None
+    np.testing.assert_allclose(turned.position, AT, atol=1e-6)
+    stretched = locate_target(camera, board() * [1.0, 1.2, 1.0], seen(camera, board()))
+    assert stretched.p_value < 1e-6
+    assert stretched.mirrored is None
+
+
 def test_two_poses_of_a_small_square_are_told(camera):
     """Truth: a small square far away looks nearly the same tilted the other way."""
     square = np.array([[-8.0, -8, 0], [8, -8, 0], [8, 8, 0], [-8, 8, 0]])

@@ -84,6 +84,7 @@ def _pose(found: TargetPose) -> dict[str, Any]:
         "chi2": found.chi2,
         "dof": found.dof,
         "p_value": found.p_value,
+        "mirrored_chi2": found.mirrored,
         "extrapolated": int(found.extrapolated.sum()),
         "second": second,
     }

@@ -8,14 +8,12 @@ from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.columns import target_columns
 from bayescal.prediction.locate import APART
-from bayescal.prediction.target import SOURCES, TargetPose
+from bayescal.prediction.target import SOURCES, UNLIKELY, TargetPose
 from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, Column, Table
 from bayescal.report.views.location import agreement
 from bayescal.report.views.prediction import models_words
 from bayescal.rounding import counted, rounded, significant
-
-UNLIKELY = 0.001  # a chi-squared so large by chance is told
 
 
 def target_view(camera: CalibratedCamera, table: PartialTable, found: TargetPose) -> Blocks:
@@ -88,6 +86,12 @@ def _lines(found: TargetPose) -> list[str]:
         )
     else:
         lines.append(f"{text}, chi-squared {found.chi2:.1f} at {found.dof} dof.")
+    if found.mirrored is not None:
+        lines.append(
+            f"Its mirror image, z negated, has a chi-squared of {found.mirrored:.1f} alone: the "
+            "target's frame and this world are of opposite hands (x right, y up, z forward is "
+            "left-handed). Give the target's points with z negated."
+        )
     if found.extrapolated.any():
         beyond = counted(int(found.extrapolated.sum()), "point")
         lines.append(f"{beyond} beyond where points were calibrated with (extrapolated).")
