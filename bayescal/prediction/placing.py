@@ -9,12 +9,14 @@ from scipy.spatial.transform import Rotation
 
 from bayescal.arrays import Array
 from bayescal.cameras.pose import cross_matrices, rotations
+from bayescal.errors import InputError
 from bayescal.prediction.inverse import rays, solutions
 from bayescal.prediction.members import BoolArray, Member
 from bayescal.prediction.slopes import by_world
 
 MOST_STEPS = 60
 SETTLED = 1e-7  # of an sd of the pose: the last step, and steps shrink quadratically
+SAME = 1e-3  # rad and diagonals: poses closer than this are one
 ROUNDING = 1e-12  # of the cost
 FIRST_DAMPING, MOST_DAMPING = 1e-3, 1e12
 
@@ -117,6 +119,37 @@ def settle_poses(
         if not running.any():
             break
     return now
+
+
+def distinct_poses(member: Member, points: Array, pixels: Array, scale: Array) -> list[Placed]:
+    """Give the different poses where a search ends, the best first.
+
+    Raises
+    ------
+    InputError
+        Where too few pixels have a line of sight, or no pose shows all points.
+    """
+    start = starts(member, points, pixels)
+    if start is None:
+        raise InputError(
+            "fewer than four of the target's pixels look at something in the calibrated domain"
+        )
+    theta = np.repeat(member.parameters.mean[None], len(start.cost), axis=0)
+    found = settle_poses(member, theta, points, pixels[None], scale, start)
+    size = float(np.linalg.norm(np.ptp(points, axis=0)))
+    kept: list[Placed] = []
+    for i in np.argsort(found.cost):
+        one = found.only(int(i))
+        if np.isfinite(one.cost[0]) and all(_apart(one, other, size) > SAME for other in kept):
+            kept.append(one)
+    if not kept:
+        raise InputError("no pose puts all points of the target where the camera can see them")
+    return kept
+
+
+def _apart(one: Placed, other: Placed, size: float) -> float:
+    step = one.steps_from(other)[0]
+    return float(max(np.abs(step[:3]).max() / size, np.abs(step[3:]).max()))
 
 
 def sensitivity(

@@ -22,14 +22,13 @@ from bayescal.prediction.calibrated import CalibratedCamera
 from bayescal.prediction.given import checked
 from bayescal.prediction.members import BoolArray, LensMember, Member, Parameters
 from bayescal.prediction.picture import Picture
-from bayescal.prediction.placing import Placed, settle_poses, starts
+from bayescal.prediction.placing import Placed, distinct_poses, settle_poses
 from bayescal.prediction.propagating import Propagated, propagated
 
 FEWEST = 4
 SOURCES = ("noise", "coefficients", "models")
 QUANTITIES = ("x", "y", "z", "turn x", "turn y", "turn z")
 ODDS = 20.0  # a second pose less likely than one in so many is not told
-SAME = 1e-3  # rad and diagonals: poses closer than this are one
 UNLIKELY = 0.001  # a chi-squared so large by chance is told
 MIRROR = np.array([1.0, 1.0, -1.0])
 BETTER = 0.25  # of chi-squared: a mirror image with half the residuals is told
@@ -68,7 +67,7 @@ class TargetPose:
     second : TargetPose or None
         A second pose that fits nearly as well, with its own covariance.
     odds : float
-        Of the best pose against the second; infinite where there is none.
+        Of the best pose against the second by their chi-squared; infinite where there is none.
     frame : str
         ``"world"`` or ``"camera"``.
     mirrored : float or None
@@ -153,7 +152,7 @@ def locate_target(
     members = [_in_own_frame(m) for m in camera.used[0]]
     pictures = [Picture(m.noise, sigma) for m in members]
     every = [
-        _solutions(m, points, own, picture.scale)
+        distinct_poses(m, points, own, picture.scale)
         for m, picture in zip(members, pictures, strict=True)
     ]
     best = [found[0] for found in every]
@@ -162,20 +161,23 @@ def locate_target(
         mirrored = _mirrored(members[0], points, own, pictures[0], seed)
         if mirrored < BETTER * first.chi2:
             first = replace(first, mirrored=mirrored)
-    others = [p for p in every[0][1:] if p.cost[0] - best[0].cost[0] < 2 * math.log(ODDS)]
-    if not others:
+    worse = [
+        propagated(members[0], p, points, own, pictures[0], seed).chi2 - first.chi2
+        for p in every[0][1:]
+    ]
+    if min(worse, default=math.inf) > 2 * math.log(ODDS):
         return first
-    near = [_nearest(found, others[0]) for found in every]
+    other = every[0][1 + int(np.argmin(worse))]
+    near = [_nearest(found, other) for found in every]
     second = _pose(camera, members, near, points, own, pictures, seed)
-    odds = math.exp(min((others[0].cost[0] - best[0].cost[0]) / 2, 700.0))
-    return replace(first, second=second, odds=odds)
+    return replace(first, second=second, odds=math.exp(max(min(worse), 0.0) / 2))
 
 
 def _mirrored(member: Member, points: Array, pixels: Array, picture: Picture, seed: int) -> float:
     """Chi-squared of the target with z negated; infinite where it has no pose."""
     image = points * MIRROR
     with suppress(InputError):
-        at = _solutions(member, image, pixels, picture.scale)[0]
+        at = distinct_poses(member, image, pixels, picture.scale)[0]
         return propagated(member, at, image, pixels, picture, seed).chi2
     return math.inf
 
@@ -201,31 +203,6 @@ def _in_own_frame(member: Member) -> Member:
     kept, n = member.parameters, member.n_lens
     own = Parameters(kept.mean[:n], kept.root[:n], kept.draws[:, :n], kept.exact)
     return replace(member, turn=None, parameters=own)
-
-
-def _solutions(member: Member, points: Array, pixels: Array, scale: Array) -> list[Placed]:
-    """Give the different poses where a search ends, the best first."""
-    start = starts(member, points, pixels)
-    if start is None:
-        raise InputError(
-            "fewer than four of the target's pixels look at something in the calibrated domain"
-        )
-    theta = np.repeat(member.parameters.mean[None], len(start.cost), axis=0)
-    found = settle_poses(member, theta, points, pixels[None], scale, start)
-    size = float(np.linalg.norm(np.ptp(points, axis=0)))
-    kept: list[Placed] = []
-    for i in np.argsort(found.cost):
-        one = found.only(int(i))
-        if np.isfinite(one.cost[0]) and all(_apart(one, other, size) > SAME for other in kept):
-            kept.append(one)
-    if not kept:
-        raise InputError("no pose puts all points of the target where the camera can see them")
-    return kept
-
-
-def _apart(one: Placed, other: Placed, size: float) -> float:
-    step = one.steps_from(other)[0]
-    return float(max(np.abs(step[:3]).max() / size, np.abs(step[3:]).max()))
 
 
 def _nearest(found: Sequence[Placed], to: Placed) -> Placed:
