@@ -30,8 +30,9 @@ class Picture:
 
     @property
     def gaussian(self) -> bool:
-        """Whether it is Gaussian given its level."""
-        return self.sigma is not None or self.noise.gaussian
+        """Whether all draws are of one Gaussian but for its level."""
+        alone = self.noise.neighbours is None
+        return alone and (self.sigma is not None or self.noise.gaussian)
 
     @cached_property
     def _levels(self) -> Array | None:
@@ -52,15 +53,11 @@ class Picture:
         return np.full(2, np.sqrt((self._levels[:, :2] ** 2).sum(axis=1).mean()))
 
     @cached_property
-    def levels(self) -> Array:
-        """Draws of the noise's variance over that of `scale`, ``(n_draws,)``."""
+    def variances(self) -> Array:
+        """Draws of independent noise's variance over that of `scale`, ``(n_draws,)``."""
         if self.sigma is not None:
             return np.ones(1)
-        if self._levels is None:
-            variances = np.exp(2 * self.noise.log_sigma)
-        else:
-            variances = (self._levels[:, :2] ** 2).sum(axis=1, keepdims=True)
-        return np.asarray((variances / self.scale**2).mean(axis=1))
+        return np.asarray((np.exp(2 * self.noise.log_sigma) / self.scale**2).mean(axis=1))
 
     def root(self, points: Array) -> Array | None:
         """Lower root of the points' covariance over that of `scale`; None where independent."""

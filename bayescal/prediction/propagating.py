@@ -30,7 +30,7 @@ class Propagated:
         ``(6, 6)``, world units and rad.
     chi2 : float
     p_value : float or None
-        Averaged over what is known of sigma; None without degrees of freedom.
+        Averaged over what is known of the noise; None without degrees of freedom.
     """
 
     noise: Array
@@ -55,7 +55,7 @@ def propagated(
         Where each is seen, ``(n, 2)``, px.
     picture : Picture
     seed : int
-        Of the simulation that robust noise needs.
+        Of the simulation that robust noise needs, and noise that neighbours share.
     """
     kept, scale = member.parameters, picture.scale
     miss, slope, _ = sensitivity(member, kept.mean[None], points, pixels[None], scale, at)
@@ -80,7 +80,7 @@ def propagated(
     found, dof = float(chi2(miss[0, :, None])[0]), miss.size - 6
     p_value = None
     if dof > 0 and picture.gaussian:
-        p_value = float(gammaincc(dof / 2, found / 2 / picture.levels).mean())
+        p_value = float(gammaincc(dof / 2, found / 2 / picture.variances).mean())
     elif dof > 0:
         drawn = member.project(kept.draws, world)[0] - member.project(kept.mean[None], world)[0]
         drawn = drawn + picture.draw(np.random.default_rng([seed, 3]), points)

@@ -164,6 +164,23 @@ def test_false_alarms_are_as_rare_as_stated():
         assert abs(inside - level) < 4 * np.sqrt(level * (1 - level) / len(found)), level
 
 
+def test_the_p_value_of_robust_noise_is_simulated():
+    """Truth: Student-t noise of 10,000 degrees of freedom is normal, whose p has a closed form."""
+    camera = bc.camera(bc.fit(camera_points(15, noise=1.0), 2, 1, ess=400))
+    member, body = camera.chosen, BODY / 2
+    at = Placed(rotations(np.zeros((1, 3))), np.array([[0.0, 0.0, 150.0]]), np.zeros(1))
+    pixels = member.project(member.parameters.mean[None], body + at.position[0])[0][0]
+    pixels = pixels + 1.2 * np.random.default_rng(2).standard_normal(pixels.shape)
+    normal = Picture(member.noise)
+    at = settle_poses(member, member.parameters.mean[None], body, pixels[None], normal.scale, at)
+    robust = Picture(replace(member.noise, name="student-t", nu=10_000.0))
+    assert not robust.gaussian
+    p, drawn = (propagated(member, at, body, pixels, n, 0).p_value for n in (normal, robust))
+    assert 0.01 < p < 0.99
+    # The scale of robust noise is a quantile of simulated residuals: 1 % more beside 1000 draws.
+    assert abs(drawn - p) < 4 * np.sqrt(p * (1 - p) / 1000) + 0.02
+
+
 def test_both_propagations_agree_and_add_up(camera):
     """Truth: linear propagation, to the Monte Carlo error of 1000 draws."""
     found = locate_target(camera, board(), seen(camera, board()))
