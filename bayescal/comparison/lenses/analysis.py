@@ -15,12 +15,14 @@ from bayescal.calibration.laplace import Level, degrees
 from bayescal.calibration.sampled import SampledLens
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.caveats import lens_findings
-from bayescal.comparison.lenses.judging import judge_lenses
+from bayescal.comparison.lenses.judging import judge_lenses, plausible_others
 from bayescal.comparison.lenses.left_out import halves, leave_views_out
 from bayescal.comparison.lenses.places import places
 from bayescal.comparison.lenses.prediction import (
+    at_most,
     covered,
     difference,
+    distances_drawn,
     image_grid,
     largest,
     observed_sample,
@@ -124,7 +126,7 @@ def concluded(
     **beside : tuple of str
         As of `Evidenced`: impossible lenses, failures.
     """
-    lenses = _apart(lenses, setting)
+    lenses = _apart(lenses, setting, drawn, settings.seed)
     shown = places(lenses, setting.data, drawn.covariance, drawn.halves)
     found: dict[str, Any] = {
         "views": views, "setting": setting, "lenses": lenses, "drawn": drawn, "places": shown,
@@ -157,15 +159,28 @@ def _looked_at(lenses: tuple[JudgedLens, ...]) -> tuple[JudgedLens, ...]:
     return tuple(out)
 
 
-def _apart(lenses: tuple[JudgedLens, ...], setting: Setting) -> tuple[JudgedLens, ...]:
-    """Compare the predictions of all with the best's."""
-    data = setting.data
+def _apart(
+    lenses: tuple[JudgedLens, ...], setting: Setting, drawn: Drawn, seed: int
+) -> tuple[JudgedLens, ...]:
+    """Compare the predictions of all with the best's; of plausible ones with their uncertainty."""
+    data, best = setting.data, lenses[0]
     sample, grid = observed_sample(data), image_grid(data.size)
-    within = covered(grid, data)
-    out = [replace(lenses[0], difference=0.0, inside=0.0)]
+    within, plausible = covered(grid, data), plausible_others(lenses)
+    out = [replace(best, difference=0.0, inside=0.0)]
     for judged in lenses[1:]:
-        apart = difference(lenses[0].view, judged.view, grid, sample, None)
-        out.append(replace(judged, difference=largest(apart), inside=largest(apart[within])))
+        apart = difference(best.view, judged.view, grid, sample, None)
+        found = replace(judged, difference=largest(apart), inside=largest(apart[within]))
+        if judged in plausible:
+            # The draws of the larger lens know what the smaller one lacks.
+            larger = judged.model.dimension > best.model.dimension
+            one, other = (judged, best) if larger else (best, judged)
+            own = judged.evidence.problem.laplace.covariance if larger else drawn.covariance
+            rng = judged.key.rng(seed, 2)
+            sizes = distances_drawn(one.view, other.view, own, grid, sample, rng)
+            found = replace(
+                found, difference_at_most=at_most(sizes), inside_at_most=at_most(sizes[:, within])
+            )
+        out.append(found)
     return tuple(out)
 
 

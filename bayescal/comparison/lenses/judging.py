@@ -24,7 +24,8 @@ def judge_lenses(lenses: Sequence[JudgedLens], findings: Sequence[Finding]) -> L
     best, others = lenses[0], plausible_others(lenses)
     plausible = [best, *others]
     worth, beyond = (
-        _widest([getattr(j, name) for j in others]) for name in ("inside", "difference")
+        widest([getattr(j, name) for j in others])
+        for name in ("inside_at_most", "difference_at_most")
     )
     verdict = LensVerdict(
         best=best.name,
@@ -52,6 +53,12 @@ def plausible_others(lenses: Sequence[JudgedLens]) -> list[JudgedLens]:
     return others
 
 
+def widest(gaps: Sequence[float | None]) -> float | None:
+    """Give the largest of differences, px; None where there are none, or one is not known."""
+    known = [g for g in gaps if g is not None]
+    return max(known) if known and len(known) == len(gaps) else None
+
+
 def _runner_up(lenses: Sequence[JudgedLens], others: Sequence[JudgedLens]) -> str:
     """Say how strong the evidence is against the next lens, where that one is excluded."""
     if len(lenses) == 1 or others:
@@ -66,10 +73,5 @@ def _further(verdict: LensVerdict) -> str:
     """Say where lenses part that are alike where there are points."""
     if not verdict.enough or (verdict.beyond is not None and verdict.beyond <= TOLERANCE):
         return ""
-    far = "" if verdict.beyond is None else f", by up to {significant(verdict.beyond)} px"
+    far = "" if verdict.beyond is None else f", by at most {significant(verdict.beyond)} px (95%)"
     return f"Beyond the points they part{far}: photograph the target there."
-
-
-def _widest(gaps: Sequence[float | None]) -> float | None:
-    known = [g for g in gaps if g is not None]
-    return max(known) if known and len(known) == len(gaps) else None

@@ -22,10 +22,13 @@ from bayescal.arrays import Array
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.cameras.pose import cross_matrices, rotations
+from bayescal.inference.proposals.t_mixture import cholesky
 
 SAMPLE = 400  # observed points that fix the turn
 COLUMNS, ROWS = 25, 19  # of the grid over the image
 TURNS = 20
+DRAWS = 1000  # of a lens, for how far another may lie from it
+PROBABILITY = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +149,48 @@ def difference(one: View, other: View, pixels: Array, sample: Array, depth: floa
     out = np.full((len(pixels), 2), np.nan)
     out[found] = other.pixels(rays[found] * scale @ turn.T + move) - pixels[found]
     return out
+
+
+def distances_drawn(
+    one: View,
+    other: View,
+    covariance: Array,
+    pixels: Array,
+    sample: Array,
+    rng: np.random.Generator,
+) -> Array:
+    """Draws of the distance of the other lens's predictions from the one's, ``(DRAWS, n)``, px.
+
+    At each draw of the one lens the other is fitted to what it predicts at the sample: of two
+    lenses fitted to the same points that is how their difference varies, their shared noise left
+    out. Both lenses are linear about where they are, at infinity; NaN where one sees nothing.
+
+    Parameters
+    ----------
+    one, other : View
+    covariance : Array
+        Of the one lens's coordinates, ``(d, d)``.
+    pixels, sample : Array
+        Where it is wanted, and what the other lens and the poses hold to, px.
+    rng : numpy.random.Generator
+    """
+    apart = difference(one, other, pixels, sample, None)
+    held, holding = (response(view, sample, sample, None) for view in (one, other))
+    seen = np.isfinite(held).all(axis=(1, 2)) & np.isfinite(holding).all(axis=(1, 2))
+    by_other, by_one = (maps[seen].reshape(-1, maps.shape[2]) for maps in (holding, held))
+    following = np.linalg.lstsq(by_other, by_one)[0]
+    moves = response(other, pixels, sample, None) @ following - response(one, pixels, sample, None)
+    steps = rng.standard_normal((DRAWS, len(covariance))) @ cholesky(covariance).T
+    drawn = apart + np.einsum("nad,sd->sna", moves, steps, optimize=True)
+    return np.asarray(np.hypot(drawn[..., 0], drawn[..., 1]))
+
+
+def at_most(distances: Array) -> float | None:
+    """Give the 95 % quantile of draws' largest distance, px; None as of `largest`."""
+    known = np.isfinite(distances).all(axis=0)
+    if not known.size or known.mean() <= 0.5:
+        return None
+    return float(np.quantile(distances[:, known].max(axis=1), PROBABILITY))
 
 
 def largest(differences: Array) -> float | None:

@@ -60,6 +60,8 @@ class JudgedLens(Judged):
         the turn of the poses is taken out, px; None where the models can't be compared.
     inside : float or None
         The same where the observed points are (their convex hull).
+    difference_at_most, inside_at_most : float or None
+        What these are at most with 95 % probability; None also of lenses that are excluded.
     """
 
     key: LensKey
@@ -78,6 +80,8 @@ class JudgedLens(Judged):
     without: Array | None = None
     difference: float | None = None
     inside: float | None = None
+    difference_at_most: float | None = None
+    inside_at_most: float | None = None
 
     @property
     def name(self) -> str:

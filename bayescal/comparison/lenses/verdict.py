@@ -26,8 +26,9 @@ class LensVerdict(Verdict):
     simplest : str
         The one of them with the fewest parameters.
     worth, beyond : float or None
-        Largest difference in prediction among the plausible ones, px: where the points are, and
-        over the whole image; None where there are no others, or they can't be compared.
+        With 95 % probability predictions of the plausible ones differ by no more than this, px:
+        where the points are, and over the whole image; None where there are no others, or they
+        can't be compared.
     """
 
     best: str
@@ -103,7 +104,8 @@ class LensVerdict(Verdict):
         """How far predictions of the plausible lenses are apart."""
         if self.worth is None:
             return "how far predictions differ where there are points can't be told"
-        size = f"{significant(self.worth)} px where there are points"
+        size, limit = f"{significant(self.worth)} px", f"the tolerance of {TOLERANCE:g} px"
         if self.enough:
-            return f"predictions are the same within {size}"
-        return f"predictions differ by up to {size}"
+            least = f"predictions differ by at most {size} where there are points (95%)"
+            return f"{least}, within {limit}"
+        return f"predictions may differ by {size} where there are points (95%), above {limit}"

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from bayescal.comparison.lenses.judging import plausible_others, widest
+from bayescal.comparison.lenses.prediction import PROBABILITY
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
+from bayescal.comparison.lenses.verdict import TOLERANCE
 from bayescal.report.document.shared import (
     evidence_facts,
     findings_facts,
@@ -26,6 +29,7 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
         How it was asked for, for the provenance.
     """
     views, verdict, levels = found.views, found.verdict, found.setting.data.levels
+    others = plausible_others(found.lenses)
     return {
         "schema": SCHEMA,
         "provenance": found.origin or provenance(command, found.settings),
@@ -77,8 +81,12 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
             "plausible": list(verdict.plausible),
             "status": verdict.status,
             "decided": verdict.decided,
-            "difference_inside_px": verdict.worth,
-            "difference_image_px": verdict.beyond,
+            "difference_inside_px": widest([j.inside for j in others]),
+            "difference_image_px": widest([j.difference for j in others]),
+            "difference_inside_at_most_px": verdict.worth,
+            "difference_image_at_most_px": verdict.beyond,
+            "difference_probability": PROBABILITY,
+            "tolerance_px": TOLERANCE,
             "findings": findings_facts(verdict.findings),
             "caveats": list(verdict.caveats),
             "text": verdict.text,
@@ -112,4 +120,6 @@ def _lens(judged: JudgedLens, found: LensComparison) -> dict[str, Any]:
         "elpd_of_views": None if lost is None else lost.pointwise.tolist(),
         "difference_inside_px": judged.inside,
         "difference_image_px": judged.difference,
+        "difference_inside_at_most_px": judged.inside_at_most,
+        "difference_image_at_most_px": judged.difference_at_most,
     }

@@ -16,9 +16,11 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.findings.finding import limits
+from bayescal.comparison.lenses.judging import judge_lenses
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.fleets.record import Record
 from bayescal.report.document.lenses import lenses_document
+from bayescal.rounding import significant
 from tests.helpers import boards
 from tests.helpers.command import here
 
@@ -87,3 +89,21 @@ def test_a_lens_alone_is_not_decided_but_has_its_findings(wrong: LensComparison)
     assert (alone.status, alone.decided) == ("single", False)
     assert alone.headline.startswith("radial 1 is the only lens compared, and")
     assert lenses_document(replace(wrong, verdict=alone), "x")["verdict"]["decided"] is False
+
+
+@pytest.mark.parametrize(("most", "status"), [(0.08, "suffices"), (0.2, "undecided")])
+def test_lenses_suffice_by_the_uncertainty_of_their_difference(
+    wrong: LensComparison, most: float, status: str
+) -> None:
+    """Truth: the tolerance is 0.1 px, and it is the 95 % quantile that is held against it."""
+    best, other = wrong.lenses
+    best = replace(best, probability=0.6)
+    other = replace(
+        other, probability=0.4, inside=0.05, inside_at_most=most, difference_at_most=1.0
+    )
+    verdict = judge_lenses([best, other], [])
+    assert verdict.status == status
+    assert f"{significant(most)} px where there are points (95%)" in verdict.headline
+    assert "tolerance of 0.1 px" in verdict.headline
+    simplest = "pinhole suffices there" in verdict.headline
+    assert simplest == ("by at most 1.0 px (95%)" in verdict.text) == (status == "suffices")

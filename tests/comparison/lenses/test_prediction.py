@@ -10,10 +10,13 @@ from bayescal.cameras.lenses import lens_named
 from bayescal.cameras.pose import rotations
 from bayescal.comparison.lenses.prediction import (
     View,
+    at_most,
     covered,
     deviation,
     difference,
+    distances_drawn,
     image_grid,
+    largest,
     observed_sample,
     response,
 )
@@ -76,3 +79,36 @@ def test_points_cover_their_hull() -> None:
     pixels = DATA.pixels[DATA.seen]
     assert covered(pixels.mean(axis=0)[None], DATA).all()
     assert not covered(np.array([[0.0, 0.0]]), DATA).any()
+
+
+def followed(one: View, other: View, sample: np.ndarray) -> View:
+    """Fit the other lens to what the one predicts, by Gauss-Newton."""
+    for _ in range(6):
+        gap = difference(one, other, sample, sample, None)
+        maps = response(other, sample, sample, None).reshape(gap.size, -1)
+        other = View(other.model, other.x - np.linalg.lstsq(maps, gap.ravel())[0])
+    return other
+
+
+def test_draws_of_a_difference_are_those_of_lenses_fitted_to_each_other() -> None:
+    """Truth: the smaller lens fitted, not linearised, to each draw of the larger."""
+    one, sample = view((-0.1, 0.005)), observed_sample(DATA)
+    other = followed(one, view((-0.1,)), sample)
+    sd = np.array([3e-4, 3e-4, 0.2, 0.2, 0.2, 0.2])
+    found = distances_drawn(one, other, np.diag(sd**2), GRID, sample, np.random.default_rng(3))
+    steps = sd * np.random.default_rng(3).standard_normal((len(found), len(sd)))
+    for step, sizes in zip(steps[:4], found, strict=False):
+        moved = View(one.model, one.x + step)
+        truth = np.hypot(*difference(moved, followed(moved, other, sample), GRID, sample, None).T)
+        np.testing.assert_allclose(sizes, truth, atol=0.02 * truth.max())
+    fitted = largest(difference(one, other, GRID, sample, None))
+    assert at_most(found) > 1.02 * fitted  # negative control: the fits alone say too little
+
+
+def test_a_lens_that_contains_another_follows_it_wherever_it_goes() -> None:
+    one, sample = view((-0.1,)), observed_sample(DATA)
+    sd = np.array([1e-3, 1e-3, 0.5, 0.5, 0.5])
+    apart = distances_drawn(
+        one, view((-0.1, 0.0)), np.diag(sd**2), GRID, sample, np.random.default_rng(3)
+    )
+    assert apart.max() < 1e-3

@@ -103,8 +103,9 @@ def bow_words(found: LensComparison) -> str:
 def lens_footnotes(found: LensComparison) -> list[str]:
     """Explain the columns."""
     lines = [
-        "inside, image: largest difference of predictions to the best lens in px, where the points "
-        "are and over the whole image, at infinity, after the turn that the poses absorb.",
+        "inside, image: largest difference of fitted predictions to the best lens in px, where the "
+        "points are and over the whole image, at infinity, after the turn that the poses absorb; "
+        "the verdict adds their uncertainty.",
         "elpd: leave-one-view-out, the pose of the view integrated; d elpd against the best, +- "
         "its paired standard error. dBIC counts poses, and takes noise as independent.",
     ]
