@@ -12,6 +12,7 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from bayescal.arrays import Array
+from bayescal.calibration import laplace as laplace_module
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_model import WHITE, ErrorModel, Geometry
 from bayescal.calibration.evidence import proposal, settled, weighed
@@ -46,6 +47,27 @@ def test_seeds_agree(error: ErrorModel) -> None:
     assert np.ptp(values) <= 0.02
     assert np.abs(values - values.mean()).max() <= 4 * max(f.error for f in found)
     assert abs(problem.laplace.log_evidence - values.mean()) < 0.03
+
+
+@pytest.mark.parametrize("error", [WHITE, EVERYTHING])
+@pytest.mark.parametrize("away", [0.0, 3.0, -5.0])
+def test_combinations_of_strengths_that_are_dropped_matter_to_no_one(
+    error: ErrorModel, away: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Truth: all of them kept, from references up to five deviations off the mode."""
+    problem = settled_problem(error)
+    x = problem.x + away * np.sqrt(np.diag(problem.laplace.covariance))
+    moved = replace(problem, x=x, poses=problem.poses_at(x))
+    few = moved.laplace
+    monkeypatch.setattr(laplace_module, "NEGLIGIBLE", math.inf)
+    every = replace(moved).laplace
+    assert len(few.log_mass) < len(every.log_mass)  # some were dropped
+    assert few.log_evidence == pytest.approx(every.log_evidence, rel=0, abs=1e-5)
+    sd = np.sqrt(np.diag(every.covariance))
+    np.testing.assert_allclose(few.mean, every.mean, atol=1e-4 * sd.min())
+    np.testing.assert_allclose(
+        few.covariance, every.covariance, rtol=1e-3, atol=1e-4 * sd.min() ** 2
+    )
 
 
 def test_laplace_of_a_pose_is_its_integral() -> None:
