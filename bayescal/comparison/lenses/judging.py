@@ -73,5 +73,7 @@ def _further(verdict: LensVerdict) -> str:
     """Say where lenses part that are alike where there are points."""
     if not verdict.enough or (verdict.beyond is not None and verdict.beyond <= TOLERANCE):
         return ""
-    far = "" if verdict.beyond is None else f", by at most {significant(verdict.beyond)} px (95%)"
-    return f"Beyond the points they part{far}: photograph the target there."
+    far = "an amount that can't be told"
+    if verdict.beyond is not None:
+        far = f"{significant(verdict.beyond)} px (95%)"
+    return f"Beyond the points they may part by {far}: photograph the target there."

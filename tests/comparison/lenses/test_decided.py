@@ -106,4 +106,4 @@ def test_lenses_suffice_by_the_uncertainty_of_their_difference(
     assert f"{significant(most)} px where there are points (95%)" in verdict.headline
     assert "tolerance of 0.1 px" in verdict.headline
     simplest = "pinhole suffices there" in verdict.headline
-    assert simplest == ("by at most 1.0 px (95%)" in verdict.text) == (status == "suffices")
+    assert simplest == ("may part by 1.0 px (95%)" in verdict.text) == (status == "suffices")
