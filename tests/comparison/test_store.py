@@ -68,7 +68,10 @@ def test_a_store_computes_once():
 
 
 def test_one_set_of_draws_wherever_a_model_is_shown():
-    """Order 2 of r under Student-t: compared, among bad points, across families, in a defence."""
+    """Order 2 of r under Student-t: compared, among bad points, across families.
+
+    A defence weighs it without a chain: its evidence agrees within 5 Monte Carlo errors.
+    """
     points, how = bc.thesis(), {"seed": 5, "ess": 400}
     compared = bc.compare(points, [2], axis="r", noise="student-t", hint=False, **how)
     draws = compared.axes["r"][2].posterior.full
@@ -83,6 +86,9 @@ def test_one_set_of_draws_wherever_a_model_is_shown():
     assert all(row.tobytes() in rows for row in np.ascontiguousarray(kept))
     defended = bc.compare(points, [2], axis="r", defend=True, hint=False, **how).axes["r"].defence
     (other,) = (n for n in defended.noises if n.key.noise == "student-t")
-    assert other.log_evidence == compared.axes["r"][2].log_evidence
+    sampled = compared.axes["r"][2]
+    error = np.hypot(other.log_evidence_error, sampled.log_evidence_error)
+    assert abs(other.log_evidence - sampled.log_evidence) < 5 * error
+    assert error < 0.05
     another = bc.compare(points, [2], axis="r", noise="student-t", hint=False, seed=6, ess=400)
     assert not np.array_equal(another.axes["r"][2].posterior.full, draws)  # negative control
