@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +44,11 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_stopped_run_goes_on(how: signal.Signals, whole: Path, tmp_path: Path) -> None:
     run, kept = tmp_path / "run", tmp_path / "run.unfinished"
     command = [sys.executable, "-m", "bayescal", *ASKED, "--quiet", "--out", str(run)]
-    with subprocess.Popen(command, env=environment(), stderr=subprocess.PIPE, text=True) as process:
+    # A shell that starts tests in the background has interrupts ignored.
+    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
+    with subprocess.Popen(
+        command, env=environment(), stderr=subprocess.PIPE, text=True, preexec_fn=heard
+    ) as process:
         while not list(kept.glob("*.nc")) and process.poll() is None:
             time.sleep(0.01)
         process.send_signal(how)
