@@ -82,7 +82,7 @@ def test_it_is_a_section_beside_orders(tmp_path: Path) -> None:
     assert model["log_evidence"] == pytest.approx(sum(evidences), abs=1e-9)
     assert families["settings"]["tau"] == result["settings"]["tau"] == 0.1
     headings = [a["id"] for t, a in found.tags if t == "h2"]
-    assert headings.index("adequacy") < headings.index("families") < headings.index("residuals")
+    assert headings.index("adequacy") < headings.index("other-models") < headings.index("residuals")
     words = "".join(found.words)
     assert "Beside them, one joint model of r and c was compared on the same pixels" in words
     table = rows_of(made.read_text(encoding="utf-8"), "families-separable-1-1-stated")

@@ -114,7 +114,7 @@ def section(found: FamilyComparison) -> Section:
     together = (*figures, *_weak(found), *sampling(found))
     blocks.append(Part("Camera position, and what moves together", together))
     return Section(
-        "families",
+        "other-models",
         "Families of models",
         "Is it the order, or is it the model? The same pixels by other families, and with the "
         "camera position inferred.",
