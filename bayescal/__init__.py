@@ -34,9 +34,9 @@ _EXPORTS = {
     "thesis": "bayescal.points.bundled",
     "chessboard": "bayescal.points.bundled",
     "calibrate": "bayescal.api.calibrate",
-    "CalibratedCamera": "bayescal.prediction.calibrated",
+    "CalibratedCamera": "bayescal.prediction.calibrated.camera",
     "camera": "bayescal.api.camera",
-    "keep_camera": "bayescal.prediction.saved",
+    "keep_camera": "bayescal.prediction.calibrated.saved",
     "predict": "bayescal.api.camera",
     "locate": "bayescal.api.camera",
     "distances": "bayescal.api.camera",
@@ -135,8 +135,8 @@ if TYPE_CHECKING:
     from bayescal.points.views.views import Views
     from bayescal.points.views.writer import save_views
     from bayescal.points.writer import save
-    from bayescal.prediction.calibrated import CalibratedCamera
-    from bayescal.prediction.saved import keep_camera
+    from bayescal.prediction.calibrated.camera import CalibratedCamera
+    from bayescal.prediction.calibrated.saved import keep_camera
     from bayescal.report.cameras.camera import FittedCamera
     from bayescal.report.cameras.fitted import fitted_camera
     from bayescal.report.cameras.read import load_camera

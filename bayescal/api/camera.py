@@ -8,7 +8,7 @@ from typing import Any
 
 from bayescal.api.rows import answered, numbers_of
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.columns import (
     location_columns,
     pair_columns,
@@ -53,7 +53,7 @@ def camera(
 
         found = camera_at(source)
     else:
-        from bayescal.prediction.sources import camera_of
+        from bayescal.prediction.calibrated.sources import camera_of
 
         found = camera_of(source)
     return (found if model is None else found.only(model)).average(average)

@@ -17,7 +17,7 @@ from bayescal.commands.shared.output import DONE
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
-    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.calibrated.camera import CalibratedCamera
     from bayescal.prediction.given import Surface
 
 DESCRIPTION = (

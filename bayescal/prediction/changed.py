@@ -20,11 +20,11 @@ from scipy.linalg import eigh
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.prediction.alignment import absorbed_turns
-from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.hull import within
+from bayescal.prediction.calibrated.alignment import absorbed_turns
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.hull import within
+from bayescal.prediction.calibrated.members import BoolArray, LensMember, Member, Parameters
 from bayescal.prediction.maps import NAMES, named_pixels
-from bayescal.prediction.members import BoolArray, LensMember, Member, Parameters
 from bayescal.prediction.sights import Sights, image_grid, sights
 from bayescal.rounding import significant
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array, ArrayLike, IntArray
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.inverse import rays, solutions
+from bayescal.prediction.calibrated.members import KEPT, BoolArray, Member
 from bayescal.prediction.given import Surface, checked
-from bayescal.prediction.inverse import rays, solutions
-from bayescal.prediction.members import KEPT, BoolArray, Member
 
 BLOCK = 100_000  # draws times pixels at once
 PROBABILITY = 0.95

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.members import BoolArray, Member
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.members import BoolArray, Member
 from bayescal.prediction.predict import predict
 from bayescal.prediction.sights import COLUMNS, ROWS, Sights, extent, image_grid, sights
 from bayescal.rounding import rounded, significant

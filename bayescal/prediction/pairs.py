@@ -14,9 +14,10 @@ import numpy as np
 
 from bayescal.arrays import Array, ArrayLike
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.inverse import solutions
+from bayescal.prediction.calibrated.members import BoolArray
 from bayescal.prediction.given import Surface, checked
-from bayescal.prediction.inverse import solutions
 from bayescal.prediction.locate import (
     BLOCK,
     FEW,
@@ -27,7 +28,6 @@ from bayescal.prediction.locate import (
     summaries,
     weighted_quantile,
 )
-from bayescal.prediction.members import BoolArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.prediction.noise import NewNoise
+from bayescal.prediction.calibrated.noise import NewNoise
 
 JITTER = 1e-10  # of the variance: two points of the target may be one
 

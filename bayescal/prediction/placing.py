@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 from bayescal.arrays import Array
 from bayescal.cameras.pose import cross_matrices, rotations
 from bayescal.errors import InputError
-from bayescal.prediction.inverse import rays, solutions
-from bayescal.prediction.members import BoolArray, Member
-from bayescal.prediction.slopes import by_world
+from bayescal.prediction.calibrated.inverse import rays, solutions
+from bayescal.prediction.calibrated.members import BoolArray, Member
+from bayescal.prediction.calibrated.slopes import by_world
 
 MOST_STEPS = 60
 SETTLED = 1e-7  # of an sd of the pose: the last step, and steps shrink quadratically

@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array, ArrayLike
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.members import BoolArray, Member, PolynomialMember
+from bayescal.prediction.calibrated.noise import mixture_quantiles
 from bayescal.prediction.given import checked
-from bayescal.prediction.members import BoolArray, Member, PolynomialMember
-from bayescal.prediction.noise import mixture_quantiles
 
 BLOCK = 400_000  # pixel values held at once
 BY_DRAWS = 4_000_000  # draws times points that are averaged one by one

@@ -15,7 +15,7 @@ from scipy.linalg import solve_triangular
 from scipy.special import gammaincc
 
 from bayescal.arrays import Array
-from bayescal.prediction.members import Member
+from bayescal.prediction.calibrated.members import Member
 from bayescal.prediction.picture import Picture
 from bayescal.prediction.placing import Placed, sensitivity
 

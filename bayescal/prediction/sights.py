@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.hull import within
-from bayescal.prediction.inverse import continued, rays
-from bayescal.prediction.members import BoolArray, LensMember, PolynomialMember
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.hull import within
+from bayescal.prediction.calibrated.inverse import continued, rays
+from bayescal.prediction.calibrated.members import BoolArray, LensMember, PolynomialMember
 
 COLUMNS, ROWS = 33, 25  # of a grid over the image
 

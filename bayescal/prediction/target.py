@@ -18,9 +18,9 @@ import numpy as np
 from bayescal.arrays import Array, ArrayLike
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.members import BoolArray, LensMember, Member, Parameters
 from bayescal.prediction.given import checked
-from bayescal.prediction.members import BoolArray, LensMember, Member, Parameters
 from bayescal.prediction.picture import Picture
 from bayescal.prediction.placing import Placed, distinct_poses, settle_poses
 from bayescal.prediction.propagating import Propagated, propagated

@@ -24,10 +24,10 @@ from bayescal.cameras.undistortion import (
     undistort_pixels,
 )
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.inverse import continued, monotone
-from bayescal.prediction.members import BoolArray, LensMember, PolynomialMember
-from bayescal.prediction.slopes import with_slopes
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.inverse import continued, monotone
+from bayescal.prediction.calibrated.members import BoolArray, LensMember, PolynomialMember
+from bayescal.prediction.calibrated.slopes import with_slopes
 
 
 @dataclass(frozen=True, eq=False)

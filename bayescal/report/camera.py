@@ -7,8 +7,8 @@ import json
 from pathlib import Path
 
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.saved import camera_from, load_camera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.saved import camera_from, load_camera
 from bayescal.report.run.bounded import bounded
 from bayescal.report.run.camera import CAMERA, MANIFEST
 
@@ -48,7 +48,7 @@ def _expected(folder: Path) -> str | None:
 
 def _reopened(folder: Path) -> CalibratedCamera:
     """Make the camera of a run that holds none."""
-    from bayescal.prediction.sources import camera_of
+    from bayescal.prediction.calibrated.sources import camera_of
     from bayescal.report.runs import open_run
 
     return camera_of(open_run(folder))

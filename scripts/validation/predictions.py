@@ -14,7 +14,7 @@ import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.cameras.lenses import lens_named
 from bayescal.cameras.pose import rotation_vectors, rotations
-from bayescal.prediction.alignment import absorbed_turns
+from bayescal.prediction.calibrated.alignment import absorbed_turns
 from bayescal.prediction.sights import image_grid, sights
 from scripts.validation.sections import options_of, publish
 from scripts.validation.simulated_boards import Errors, Truth, views_of

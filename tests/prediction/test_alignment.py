@@ -14,8 +14,8 @@ from bayescal.comparison.lenses.prediction import (
     observed_sample,
     response,
 )
-from bayescal.prediction.alignment import absorbed_turns
-from bayescal.prediction.inverse import rays
+from bayescal.prediction.calibrated.alignment import absorbed_turns
+from bayescal.prediction.calibrated.inverse import rays
 from tests.helpers.boards import SIZE
 
 

@@ -10,11 +10,11 @@ from scipy import stats
 
 import bayescal as bc
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.lenses import lens_member
+from bayescal.prediction.calibrated.members import LensMember, Parameters, PolynomialMember
+from bayescal.prediction.calibrated.noise import NewNoise
 from bayescal.prediction.changed import changed
-from bayescal.prediction.lenses import lens_member
-from bayescal.prediction.members import LensMember, Parameters, PolynomialMember
-from bayescal.prediction.noise import NewNoise
 from tests.helpers.cases import camera_points
 
 DOF, POINTS = 12, 15

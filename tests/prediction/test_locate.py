@@ -10,11 +10,11 @@ from scipy import stats
 
 import bayescal as bc
 from bayescal.errors import InputError
+from bayescal.prediction.calibrated.inverse import rays, solutions
+from bayescal.prediction.calibrated.members import PolynomialMember
 from bayescal.prediction.columns import location_columns, pair_columns
 from bayescal.prediction.given import Surface
-from bayescal.prediction.inverse import rays, solutions
 from bayescal.prediction.locate import locate, weighted_quantile
-from bayescal.prediction.members import PolynomialMember
 from bayescal.prediction.pairs import _expanded, distances
 from bayescal.prediction.predict import predict
 from tests.helpers.cameras import turned_points

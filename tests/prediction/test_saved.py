@@ -10,7 +10,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.errors import InputError
-from bayescal.prediction.saved import camera_bytes, load_camera
+from bayescal.prediction.calibrated.saved import camera_bytes, load_camera
 from tests.helpers.cameras import turned_points
 from tests.helpers.command import apart
 

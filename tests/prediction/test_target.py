@@ -12,7 +12,7 @@ from scipy import linalg, stats
 import bayescal as bc
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.errors import InputError
-from bayescal.prediction.members import LensMember, Parameters
+from bayescal.prediction.calibrated.members import LensMember, Parameters
 from bayescal.prediction.picture import Picture
 from bayescal.prediction.placing import Placed, sensitivity, settle_poses
 from bayescal.prediction.propagating import propagated

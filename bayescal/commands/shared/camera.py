@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from bayescal.points.partial import PartialTable
-    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.calibrated.camera import CalibratedCamera
 
 
 def add_camera(parser: argparse.ArgumentParser) -> None:

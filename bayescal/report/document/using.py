@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from bayescal.points.partial import PartialTable
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.changed import LEVEL, Change
 from bayescal.prediction.columns import change_columns
 from bayescal.prediction.target import QUANTITIES, TargetPose

@@ -16,7 +16,7 @@ if TYPE_CHECKING:  # the command's help lists the kinds without paying for matpl
     from bayescal.comparison.lenses.results import LensComparison
     from bayescal.comparison.outliers.results import OutlierStudy
     from bayescal.comparison.results import Comparison
-    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.calibrated.camera import CalibratedCamera
 
 CAMERA = "camera"  # what several kinds of result hold
 HOLD_CAMERA = ("comparison", "families", "lenses", CAMERA)
@@ -134,10 +134,10 @@ class FigureKind:
 
 def maps_of(result: Any) -> Any:
     """Make the maps of a camera, or of a result that holds one; maps stay as they are."""
-    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.calibrated.camera import CalibratedCamera
+    from bayescal.prediction.calibrated.sources import camera_of
     from bayescal.prediction.changed import Change
     from bayescal.prediction.maps import ImageMaps, image_maps
-    from bayescal.prediction.sources import camera_of
 
     if isinstance(result, ImageMaps | Change):
         return result
@@ -200,7 +200,7 @@ def figure_kinds(of: str) -> dict[str, FigureKind]:
 
 def drawn_as(result: object) -> str:
     """Name the kind of result that something is drawn as."""
-    from bayescal.prediction.calibrated import CalibratedCamera
+    from bayescal.prediction.calibrated.camera import CalibratedCamera
     from bayescal.prediction.changed import Change
     from bayescal.prediction.maps import ImageMaps
     from bayescal.report.runs import kind_of

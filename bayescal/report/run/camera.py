@@ -11,8 +11,8 @@ CAMERA, MANIFEST = "camera.npz", "run.json"
 
 def camera_bytes_of(result: Any) -> bytes | None:
     """Encode the camera of a result; None where it has none."""
-    from bayescal.prediction.saved import camera_bytes
-    from bayescal.prediction.sources import camera_of
+    from bayescal.prediction.calibrated.saved import camera_bytes
+    from bayescal.prediction.calibrated.sources import camera_of
 
     try:
         return camera_bytes(camera_of(result))

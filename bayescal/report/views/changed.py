@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.changed import Change
 from bayescal.prediction.maps import NAMES
 from bayescal.report.blocks import Blocks, Listing, Prose, Tabled

@@ -6,7 +6,8 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.points.partial import PartialTable
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.members import KEPT, BoolArray
 from bayescal.prediction.columns import (
     NO_MEETING,
     NO_SOLUTION,
@@ -15,7 +16,6 @@ from bayescal.prediction.columns import (
 )
 from bayescal.prediction.given import Surface
 from bayescal.prediction.locate import APART, FEW, SOURCES, Location
-from bayescal.prediction.members import KEPT, BoolArray
 from bayescal.prediction.pairs import Distances
 from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, Column, Table

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.sources import camera_of
 from bayescal.prediction.maps import NAMES, ImageMaps, image_maps
-from bayescal.prediction.sources import camera_of
 from bayescal.report.blocks import Blocks, Figure, Listing, Section, Tabled
 from bayescal.report.table import Cell, Column, Table
 from bayescal.report.views.prediction import models_words

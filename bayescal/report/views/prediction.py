@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from bayescal.points.partial import PartialTable
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.columns import remarks
 from bayescal.prediction.predict import Prediction
 from bayescal.report.blocks import Blocks, Listing, Tabled

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bayescal.points.partial import PartialTable
-from bayescal.prediction.calibrated import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.columns import target_columns
 from bayescal.prediction.locate import APART
 from bayescal.prediction.target import SOURCES, UNLIKELY, TargetPose

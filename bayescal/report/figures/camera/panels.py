@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Polygon
 
 from bayescal.arrays import Array
-from bayescal.prediction.members import BoolArray
+from bayescal.prediction.calibrated.members import BoolArray
 from bayescal.prediction.sights import Sights
 from bayescal.report.figures.style import (
     BLACK,

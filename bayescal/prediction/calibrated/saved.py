@@ -17,9 +17,9 @@ from bayescal.errors import InputError
 from bayescal.files import write_whole
 from bayescal.points.tables.content import read_file
 from bayescal.polynomials.basis import Domain
-from bayescal.prediction.calibrated import CalibratedCamera
-from bayescal.prediction.members import LensMember, Member, Parameters, PolynomialMember
-from bayescal.prediction.noise import NewNoise
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.members import LensMember, Member, Parameters, PolynomialMember
+from bayescal.prediction.calibrated.noise import NewNoise
 from bayescal.version import __version__
 
 SCHEMA = "bayescal-camera-1"

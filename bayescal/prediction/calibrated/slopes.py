@@ -9,7 +9,7 @@ from bayescal.arrays import Array
 from bayescal.cameras.camera import Camera
 from bayescal.polynomials.basis import legendre_design
 from bayescal.polynomials.plane import powers
-from bayescal.prediction.members import BoolArray, LensMember, Member, PolynomialMember
+from bayescal.prediction.calibrated.members import BoolArray, LensMember, Member, PolynomialMember
 
 
 def by_world(member: Member, theta: Array, world: Array) -> tuple[Array, Array, BoolArray]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.prediction.members import LensMember, Member, PolynomialMember
+from bayescal.prediction.calibrated.members import LensMember, Member, PolynomialMember
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,8 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials import bivariate, separable
 from bayescal.polynomials.basis import Domain
-from bayescal.prediction.calibrated import CalibratedCamera, normalised
-from bayescal.prediction.draws import (
+from bayescal.prediction.calibrated.camera import CalibratedCamera, normalised
+from bayescal.prediction.calibrated.draws import (
     AxisDraws,
     completed,
     joined,
@@ -33,8 +33,8 @@ from bayescal.prediction.draws import (
     of_posterior,
     of_robust,
 )
-from bayescal.prediction.hull import hull_of
-from bayescal.prediction.members import LensMember, Member, Parameters, PolynomialMember
+from bayescal.prediction.calibrated.hull import hull_of
+from bayescal.prediction.calibrated.members import LensMember, Member, Parameters, PolynomialMember
 
 MOST = 12  # models kept of a pair of undecided axes
 
@@ -52,7 +52,7 @@ def camera_of(result: Any) -> CalibratedCamera:
     if isinstance(result, FamilyComparison):
         return _of_families(result)
     if type(result).__name__ == "LensComparison":  # families do not pay for many views
-        from bayescal.prediction.lenses import lens_camera
+        from bayescal.prediction.calibrated.lenses import lens_camera
 
         return lens_camera(result)
     raise InputError(f"a {type(result).__name__} holds no calibrated camera")

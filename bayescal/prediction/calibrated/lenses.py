@@ -12,13 +12,13 @@ from bayescal.arrays import Array
 from bayescal.calibration.averaging import ErrorAverage
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
-from bayescal.prediction.alignment import absorbed_turns
-from bayescal.prediction.calibrated import CalibratedCamera, normalised
-from bayescal.prediction.draws import thinned
-from bayescal.prediction.hull import hull_of
-from bayescal.prediction.inverse import rays
-from bayescal.prediction.members import KEPT, LensMember, Parameters
-from bayescal.prediction.noise import NewNoise
+from bayescal.prediction.calibrated.alignment import absorbed_turns
+from bayescal.prediction.calibrated.camera import CalibratedCamera, normalised
+from bayescal.prediction.calibrated.draws import thinned
+from bayescal.prediction.calibrated.hull import hull_of
+from bayescal.prediction.calibrated.inverse import rays
+from bayescal.prediction.calibrated.members import KEPT, LensMember, Parameters
+from bayescal.prediction.calibrated.noise import NewNoise
 
 ALIGNED = 100  # calibration pixels that fix the frame
 MOST = 4  # lenses kept of the plausible ones: each is drawn anew

@@ -17,8 +17,8 @@ from bayescal.arrays import Array
 from bayescal.cameras.lenses import Lens, lens_named
 from bayescal.polynomials.basis import Domain, legendre_design
 from bayescal.polynomials.plane import plane_columns, powers
-from bayescal.prediction.hull import within
-from bayescal.prediction.noise import NewNoise
+from bayescal.prediction.calibrated.hull import within
+from bayescal.prediction.calibrated.noise import NewNoise
 
 KEPT = 1000  # draws of each model: sds to 2 %
 BoolArray = NDArray[np.bool_]
@@ -205,7 +205,7 @@ class LensMember:
     Parameters: ln fx, ln fy; cx, cy (px); the lens's coefficients; then the pose: a turn from
     `turn` on the camera's side (rad), the undistorted pixel of `anchor` (px), ln of its depth over
     fx. The data fix these to about a pixel each whatever the focal length is. A lens of many views
-    has of these the turn that their poses absorb (`bayescal.prediction.alignment`).
+    has of these the turn that their poses absorb (`bayescal.prediction.calibrated.alignment`).
 
     Attributes
     ----------

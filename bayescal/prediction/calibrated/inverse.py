@@ -15,9 +15,9 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from bayescal.arrays import Array, IntArray
-from bayescal.prediction.hull import within
-from bayescal.prediction.members import BoolArray, LensMember, Member, PolynomialMember
-from bayescal.prediction.slopes import with_slopes
+from bayescal.prediction.calibrated.hull import within
+from bayescal.prediction.calibrated.members import BoolArray, LensMember, Member, PolynomialMember
+from bayescal.prediction.calibrated.slopes import with_slopes
 
 RESIDUAL = 1e-9  # px
 NEWTON, HALVINGS = 40, 80

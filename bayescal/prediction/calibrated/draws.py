@@ -15,8 +15,8 @@ from bayescal.linear.closed_form import ExactPosterior
 from bayescal.noise.model import NoiseModel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
-from bayescal.prediction.members import KEPT, Parameters
-from bayescal.prediction.noise import NewNoise
+from bayescal.prediction.calibrated.members import KEPT, Parameters
+from bayescal.prediction.calibrated.noise import NewNoise
 
 
 @dataclass(frozen=True, eq=False)

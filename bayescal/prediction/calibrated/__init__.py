@@ -1,0 +1,1 @@
+"""The calibrated camera: its models, where they come from, and how it is kept."""
