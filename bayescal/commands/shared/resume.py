@@ -8,6 +8,8 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from bayescal.errors import BayescalError
+
 
 @contextlib.contextmanager
 def resumable(options: argparse.Namespace) -> Iterator[Path | None]:
@@ -40,4 +42,8 @@ def resumable(options: argparse.Namespace) -> Iterator[Path | None]:
             f"interrupted; {folder} keeps {counted(count, 'sampled model')}: run the same command "
             "again to go on"
         ) from None
+    except BayescalError:
+        if not kept_in(folder):
+            clear(folder)
+        raise
     clear(folder)

@@ -46,7 +46,8 @@ def test_every_point_stands_with_its_probability(made: str, study: OutlierStudy)
         values = [float(v) for v in re.findall(r'data-value="([^"]*)"', row)]
         assert values[0] == point.index
         assert values[2] == point.residual
-        assert values[7] == point.bad_probability
+        assert values[7] == point.off
+    assert values[8] == point.bad_probability
 
 
 def test_points_that_err_together_and_the_verdict_are_told(made: str):
