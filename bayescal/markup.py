@@ -37,7 +37,6 @@ def table(
         What it shows, and in which units.
     heads : sequence of str
         Of the columns.
-    rows : sequence of sequence of str
     marked : int, optional
         The row in bold type; its head must say in words why.
 

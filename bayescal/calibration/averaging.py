@@ -16,13 +16,7 @@ FEWEST = 20  # draws at a time from an error model: fewer can't be picked by the
 
 
 class ErrorAverage:
-    """A lens under each of its error models, settled there once.
-
-    Parameters
-    ----------
-    evidence : LensEvidence
-    setting : Setting
-    """
+    """A lens under each of its error models, settled there once."""
 
     def __init__(self, evidence: LensEvidence, setting: Setting) -> None:
         self.evidence, self.setting = evidence, setting

@@ -38,16 +38,12 @@ class Problem:
 
     Attributes
     ----------
-    model : LensModel
-    data : Observations
     x : Array
         ``(dimension,)``.
-    poses : Poses
     shared : Shared
         Noise within the views.
     root : Array or None
         Of the covariance of the target's offsets.
-    level : Level
     """
 
     model: LensModel

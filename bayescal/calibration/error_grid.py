@@ -141,10 +141,8 @@ def follow(
 
     Parameters
     ----------
-    grid : ErrorGrid
     log_evidence : callable
         Of a node.
-    start : iterable of Node
     kept : float, optional
         How far below the best a node may be for its neighbours to be looked at, nat.
     most : int, optional

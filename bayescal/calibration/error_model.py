@@ -87,12 +87,7 @@ INDEPENDENT = Shared(None, frozen(np.zeros(0)))
 
 
 class Geometry:
-    """Distances on the target, from which the covariances come.
-
-    Parameters
-    ----------
-    data : Observations
-    """
+    """Distances on the target, from which the covariances come."""
 
     def __init__(self, data: Observations) -> None:
         self.data = data
@@ -146,7 +141,6 @@ class Geometry:
 
         Parameters
         ----------
-        error : ErrorModel
         unit : float
             Length on the target that makes 1 px, diagonals.
 

@@ -23,10 +23,6 @@ DRAWS = 2000
 def settled(problem: Problem) -> Problem:
     """Move the reference to the posterior's mean, lens and poses together.
 
-    Parameters
-    ----------
-    problem : Problem
-
     Returns
     -------
     Problem
@@ -70,7 +66,6 @@ def weighed(
     ----------
     problem : Problem
         Settled.
-    rng : numpy.random.Generator
     n : int, optional
         Number of draws.
     """

@@ -34,12 +34,8 @@ class Setting:
 
     Attributes
     ----------
-    data : Observations
-    geometry : Geometry
-    grid : ErrorGrid
     unit : float
         Length on the target that makes 1 px, diagonals (`Geometry.pixel`).
-    level : Level
     bow : bool
         Whether the target may bow.
     """
@@ -74,7 +70,6 @@ class LensEvidence:
 
     Attributes
     ----------
-    errors : Averaged
     problem : Problem
         Under the most probable error model, settled.
     estimate : EvidenceEstimate
@@ -105,11 +100,8 @@ def lens_evidence(
         Without bow.
     fit : Fit
         Its least squares.
-    setting : Setting
     start : tuple of Node
         Error models to begin from.
-    rng : numpy.random.Generator
-    draws : int
     """
     bowed, begin = with_bow(fit, model) if setting.bow else (model, fit)
     reference = settled(setting.problem(bowed, begin.x, begin.poses, WHITE))

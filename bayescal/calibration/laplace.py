@@ -68,7 +68,6 @@ class Laplace:
 
     Attributes
     ----------
-    log_evidence : float
     log_mass : Array
         Log evidence of each combination that matters times its share, ``(n_combinations,)``.
     step : Array
@@ -113,14 +112,10 @@ def laplace(
 
     Parameters
     ----------
-    reduced : Reduced
     x : Array
         Where residuals were linearised, ``(d,)``.
-    data : Observations
-    prior : Strengths
     log_det_noise : float
         Log determinant of the noise's covariance over sigma^2.
-    level : Level, optional
     """
     nu, d = degrees(data), len(x)
     a, towards = reduced.precision, prior.mean - x

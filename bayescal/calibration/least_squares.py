@@ -27,10 +27,8 @@ class Fit:
     ----------
     x : Array
         Coordinates of the lens, ``(dimension,)``.
-    poses : Poses
     sum_of_squares : float
         Weighted, px^2; infinite where a point can't be seen.
-    converged : bool
     """
 
     x: Array
@@ -64,12 +62,8 @@ def least_squares(
 
     Parameters
     ----------
-    model : LensModel
-    data : Observations
     x : Array
         Where to start, ``(dimension,)``.
-    poses : Poses
-    most_steps : int, optional
     prior_precision : Array, optional
         Of normal priors about the plain coordinates' means and 0, in units of the
         residuals' variance, ``(dimension,)``; none by default.

@@ -32,8 +32,6 @@ class Group:
 
     Attributes
     ----------
-    name : str
-    columns : tuple of int
     unit : float
         What tau is a fraction of: the image's width in px, or one diagonal.
     bounds : tuple of float
@@ -54,7 +52,6 @@ class LensModel:
     ----------
     key : str
         As tables show it.
-    lens : Lens
     size : tuple of float
         Width and height of the image, px.
     square : bool

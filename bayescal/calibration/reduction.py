@@ -64,8 +64,6 @@ def reduce(
 
     Parameters
     ----------
-    stack : Stacked
-    data : Observations
     shared : Shared
         Noise within the views.
     offsets : bool
@@ -160,7 +158,6 @@ def eliminate(views: Views, root: Array | None) -> Reduced:
 
     Parameters
     ----------
-    views : Views
     root : Array or None
         Of the offsets' covariance, ``(3 n_target, q)``.
     """

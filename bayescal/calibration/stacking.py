@@ -100,8 +100,6 @@ def residuals(
 
     Parameters
     ----------
-    model : LensModel
-    data : Observations
     x : Array
         ``(..., dimension)``.
     poses : Poses

@@ -25,11 +25,6 @@ FEW_STEPS = 12
 def start_fit(model: LensModel, data: Observations) -> Fit:
     """Fit a lens from nothing.
 
-    Parameters
-    ----------
-    model : LensModel
-    data : Observations
-
     Returns
     -------
     Fit

@@ -22,7 +22,6 @@ def view_levels(data: Observations, models: Sequence[LensModel]) -> Array:
 
     Parameters
     ----------
-    data : Observations
     models : sequence of LensModel
         With terms enough for any lens: the one that fits best is taken.
 

@@ -71,12 +71,7 @@ class Projection:
 
 @dataclass(frozen=True)
 class Camera:
-    """A lens that makes pixels.
-
-    Attributes
-    ----------
-    lens : Lens
-    """
+    """A lens that makes pixels."""
 
     lens: Lens
 

@@ -50,7 +50,6 @@ class RealCamera:
 
     Attributes
     ----------
-    camera : Camera
     intrinsics : Array
         fx, fy, cx, cy, ``(4,)``, px.
     k : Array
@@ -125,7 +124,6 @@ def ideal_camera(real: Seeing, field: Field = "same") -> IdealCamera:
 
     Parameters
     ----------
-    real : Seeing
     field : {"same", "inside", "full"} or float
         The same intrinsics; as much as leaves no pixel without an image; as much as loses no pixel
         of the photograph; or so many degrees from left to right, about the photograph's axis.
@@ -177,7 +175,6 @@ def undistort_pixels(
 
     Parameters
     ----------
-    real, ideal : Seeing, IdealCamera
     pixels : Array
         ``(n, 2)``, px.
 

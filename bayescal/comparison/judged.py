@@ -23,7 +23,6 @@ class Weighed:
 
     Attributes
     ----------
-    key : Key
     log_evidence : float or None
         Natural log; None under a flat prior.
     log_evidence_error : float or None

@@ -26,7 +26,6 @@ class Key:
 
     Attributes
     ----------
-    family : str
     orders : tuple of int
         Of r and of c in the separable family, else one.
     position : str

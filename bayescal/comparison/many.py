@@ -58,10 +58,8 @@ def reduce_points(
 
     Parameters
     ----------
-    points : ManyPoints
     orders : mapping of str to tuple of int
         Orders of each axis, ascending.
-    settings : Settings
 
     Returns
     -------

@@ -36,11 +36,8 @@ class AxisComparison:
 
     Attributes
     ----------
-    data : AxisData
-    noise : NoiseLevel
     noise_source : str
         How the noise level was chosen, in words.
-    prior : PriorRule
     reference : ReferenceSigma
         What chi-squared is measured in.
     scatter : tuple
@@ -48,7 +45,6 @@ class AxisComparison:
         degrees of freedom: noise plus what the regressor does not explain.
     orders : tuple of OrderResult
         Ascending.
-    verdict : AxisVerdict
     defence : Defence or None
         Answers to a referee, where they were asked for.
     adequacy : tuple of AdequacyTest
@@ -139,7 +135,6 @@ class Comparison:
     ----------
     axes : dict of str to AxisComparison
         ``"r"`` and ``"c"``, or ``"y"`` for a generic problem.
-    family : str
     points : Correspondences or None
         None for a generic problem.
     settings : Settings

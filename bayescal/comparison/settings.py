@@ -143,7 +143,6 @@ class ChosenLevel(NamedTuple):
     ----------
     data : AxisData
         With deviations only where they are used.
-    level : NoiseLevel
     words : str
         How it was chosen.
     shape : NoiseModel

@@ -100,7 +100,6 @@ def verdict_on(
 
     Parameters
     ----------
-    results : sequence of OrderResult
     findings : sequence of Finding
         What limits it.
     enough : callable, optional

@@ -28,7 +28,6 @@ class FreePositionModel:
     ----------
     axes : tuple of MovingAxis
         Of r and of c.
-    prior : PositionPrior
     start : Array
         Where the likelihood is highest, ``(3,)``, world units.
     """

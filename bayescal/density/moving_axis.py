@@ -51,9 +51,6 @@ class MovingAxis:
         World points, ``(n_points, 3)``, world units.
     column : int
         Coordinate of the axis's own regressor: 0 for r, 1 for c.
-    order : int
-    noise : NoiseLevel
-    prior : CoefficientPrior
     """
 
     data: AxisData

@@ -47,8 +47,6 @@ class RobustLinearModel:
         The points' own deviations, ``(n_points,)``, px.
     prior : CoefficientPrior
         Proper.
-    level : NoiseLevel
-    noise : NoiseModel
     to_reported : Array
         Reported coefficients = to_reported @ b, ``(n_coefficients, n_coefficients)``.
     coefficients : tuple of str

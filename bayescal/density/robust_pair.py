@@ -25,10 +25,6 @@ class RobustPair:
 
     theta: that of r, then that of c; completed draws: theta, then ln tau of each axis where it
     is inferred.
-
-    Attributes
-    ----------
-    axes : tuple of RobustLinearModel
     """
 
     axes: tuple[RobustLinearModel, RobustLinearModel]

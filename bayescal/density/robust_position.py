@@ -81,10 +81,8 @@ class RobustFreePosition:
         At the stated position: noise, priors and pixels stay as there.
     moving : tuple of MovingAxis
         The same axes as functions of the position.
-    prior : PositionPrior
     start : Array
         Where a robust fit finds the camera, ``(3,)``, world units.
-    ridges : tuple of Ridge
     """
 
     axes: tuple[RobustLinearModel, RobustLinearModel]

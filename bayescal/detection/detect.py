@@ -29,7 +29,6 @@ class Photograph:
 
     Attributes
     ----------
-    path : str
     name : str
         Of its view.
     size : tuple of int or None
@@ -59,10 +58,8 @@ class Detection:
 
     Attributes
     ----------
-    views : Views
     photographs : tuple of Photograph
         All of them, in the order given.
-    pattern : Pattern
     detector : str
         What found the points, with OpenCV's version.
     """

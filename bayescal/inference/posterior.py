@@ -30,12 +30,10 @@ class ParameterSummary:
 
     Attributes
     ----------
-    name : str
     mean, sd : float
         Of the draws, px (tau: fraction of the image).
     interval : tuple of float
         Central (equal-tailed) interval of the draws.
-    interval_probability : float
     mcse_mean : float
         Monte Carlo standard error of the mean.
     ess_bulk, ess_tail, rhat : float

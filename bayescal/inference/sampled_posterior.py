@@ -49,10 +49,8 @@ class SampledPosterior(Summarised):
 
     Attributes
     ----------
-    model : SampledModel
     full : Array
         Completed draws, ``(n_chains, n_draws, n_full)``.
-    estimate : EvidenceEstimate
     modes : tuple of Mode
         The highest first.
     """

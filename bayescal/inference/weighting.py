@@ -20,7 +20,6 @@ class WeightedDraws:
 
     Attributes
     ----------
-    model : SampledModel
     log_weights : Array
         ln of likelihood times prior over the proposal's density, ``(n_draws,)``.
     full : Array

@@ -79,7 +79,6 @@ class ExactPosterior:
 
     Attributes
     ----------
-    model : LinearModel
     sigma_rule, tau_rule : Rule
         Quadrature in ln sigma and ln tau; a single node where they are no
         parameters.

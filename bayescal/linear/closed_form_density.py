@@ -56,12 +56,7 @@ class Surface:
 
 
 class Densities:
-    """Densities of a posterior's reported parameters.
-
-    Parameters
-    ----------
-    exact : ExactPosterior
-    """
+    """Densities of a posterior's reported parameters."""
 
     def __init__(self, exact: ExactPosterior) -> None:
         model = exact.model

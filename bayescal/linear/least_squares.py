@@ -173,7 +173,6 @@ class LeastSquaresFit:
 
     Attributes
     ----------
-    order : int
     coefficients : Array
         Monomial coefficients, lowest powers first, ``(p,)``, px.
     standard_errors : Array or None

@@ -22,8 +22,6 @@ class LinearModel:
     ----------
     factors : Factorisation
         Of the axis, at this order or a higher one.
-    order : int
-    noise : NoiseLevel
     prior : CoefficientPrior
         Of this order.
     symbol : str

@@ -19,7 +19,6 @@ class NoiseChoice:
 
     Attributes
     ----------
-    name : str
     nu : float or None
         Fixes the degrees of freedom of Student-t noise; None: inferred.
     bad_offset : bool

@@ -24,7 +24,6 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
 
     Parameters
     ----------
-    points : Correspondences
     axis : str
         ``"r"`` or ``"c"``.
 

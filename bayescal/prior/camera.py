@@ -116,7 +116,6 @@ class PinholePrior:
 
     Attributes
     ----------
-    position : PositionPrior
     orientation : Array
         R at rotation zero, ``(3, 3)``.
     rotation_sd : Array
@@ -172,7 +171,6 @@ class PinholePrior:
 
         Parameters
         ----------
-        geometry : PinholeGeometry
         theta : Array
             All coordinates, ``(n_draws, 10 + order)``; the density is per unit of the
             free ones.
@@ -251,7 +249,6 @@ def pinhole_prior(points: Correspondences, tau: float | None = None) -> PinholeP
 
     Parameters
     ----------
-    points : Correspondences
     tau : float, optional
         Fixes the distortion's strength, as a fraction of the image's width.
 

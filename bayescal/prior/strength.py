@@ -82,7 +82,6 @@ class Strength:
         ----------
         q : Array
             As in `log_density`.
-        rng : numpy.random.Generator
         """
         a = self.size / 2
         q, first, last = self._limits(q)

@@ -33,7 +33,6 @@ class Planar:
 
     Attributes
     ----------
-    name : str
     numerator, denominator : int
         Number of radial coefficients above and below the line.
     tangential, prism : bool

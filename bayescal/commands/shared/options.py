@@ -218,7 +218,6 @@ def is_run(options: argparse.Namespace, settled: tuple[str, ...]) -> bool:
 
     Parameters
     ----------
-    options : argparse.Namespace
     settled : tuple of str
         Options that belong to points, and that a run has settled.
 

@@ -88,7 +88,6 @@ def check_output(options: argparse.Namespace, folder: FolderKind | None = None) 
 
     Parameters
     ----------
-    options : argparse.Namespace
     folder : FolderKind, optional
         What --out is; a run by default.
     """
@@ -125,8 +124,6 @@ def publish(
 
     Parameters
     ----------
-    options : argparse.Namespace
-    result : Any
     full : bool, optional
         Print everything there is to say.
     kind : Kind, optional

@@ -31,7 +31,6 @@ def neighbours(problem: Problem, place: Array) -> AdequacyTest:
 
     Parameters
     ----------
-    problem : Problem
     place : Array
         Predicted pixels of each point, ``(2, n_points)``, px.
     """

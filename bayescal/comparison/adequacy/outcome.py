@@ -16,7 +16,6 @@ class AdequacyTest:
 
     Attributes
     ----------
-    name : str
     statistic : str or None
         Name of the statistic: ``"F"``, ``"chi2"``, ``"LM"``, ``"ppp"``...; None
         where the test does not apply.

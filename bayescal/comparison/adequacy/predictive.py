@@ -32,7 +32,6 @@ class Discrepancy:
 
     Attributes
     ----------
-    name : str
     of : callable
         Standardised residuals ``(m, n_points)`` to the statistic ``(m,)``.
     tail : callable

@@ -69,7 +69,6 @@ class Problem:
         Of a model that is not linear: its residuals in place of t.
     design : Array
         Slopes of the predictions, ``(n_points, k)``; columns may depend on each other.
-    noise : NoiseLevel
     what : str
         The model in words.
     """

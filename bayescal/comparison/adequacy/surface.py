@@ -24,7 +24,6 @@ def surface(problem: Problem, place: Array) -> AdequacyTest:
 
     Parameters
     ----------
-    problem : Problem
     place : Array
         Predicted pixels of each point, ``(2, n_points)``, px.
     """

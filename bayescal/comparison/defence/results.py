@@ -43,7 +43,6 @@ class Worth:
 
     Attributes
     ----------
-    order : int
     largest : float
         Largest difference over the domain, px.
     sd : float
@@ -74,7 +73,6 @@ class Defence:
         Whose removal changes the winner.
     resampled : tuple of Bootstrap
         By point and, where there are groups, by group.
-    beyond : Beyond or None
     worth : tuple of Worth
         Of every other plausible order.
     noises : tuple of Weighed

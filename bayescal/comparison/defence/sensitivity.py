@@ -36,7 +36,6 @@ class TauSensitivity:
     ----------
     tau : Array
         Fractions of the image, ``(n_tau,)``, log-spaced.
-    orders : tuple of int
     log_evidence, probability : Array
         ``(n_orders, n_tau)``.
     wins : tuple of Win

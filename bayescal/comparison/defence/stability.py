@@ -63,7 +63,6 @@ class Bootstrap:
     ----------
     unit : str
         ``"point"`` or ``"group"``: what is resampled with replacement.
-    resamples : int
     share : dict of int to float
         Share of the resamples that each order wins.
     """

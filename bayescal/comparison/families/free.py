@@ -63,8 +63,6 @@ class _FreePair(LinearPair, ABC):
     ----------
     modes : tuple of Mode
         Of its density, the highest first.
-    likelihood : Likelihood
-    model : SampledModel
     sampled : bool
         Whether it is sampled, or weighed only.
     """

@@ -69,15 +69,7 @@ class Gaussian(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LinearPair:
-    """Both axes of a linear family, each of one order.
-
-    Attributes
-    ----------
-    key : Key
-    points : Correspondences
-    axes : tuple of Axis
-    wanted : Wanted
-    """
+    """Both axes of a linear family, each of one order."""
 
     key: Key
     points: Correspondences

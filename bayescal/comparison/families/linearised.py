@@ -28,7 +28,6 @@ class Linearised:
     ----------
     names : tuple of str
         Parameters as reported, without those of the noise.
-    data : JointData
     residuals : Array
         ``(2, n_points)``, px.
     slopes : Array

@@ -203,7 +203,6 @@ class FamilyVerdict(Verdict):
 
     Attributes
     ----------
-    best : Key
     compared : int
         Number of models.
     plausible : tuple of Key
@@ -266,7 +265,6 @@ class FamilyComparison:
 
     Attributes
     ----------
-    points : Correspondences
     models : tuple of JointModel
         The most probable first.
     request : FamilyRequest
@@ -277,8 +275,6 @@ class FamilyComparison:
         One line for each.
     noise : tuple of str
         How the noise level of r and of c was chosen.
-    verdict : FamilyVerdict
-    notes : tuple of str
     adequacy : tuple of AdequacyTest
         Of the most probable model's residuals, where the noise is Gaussian.
     grouped : GroupedErrors or None

@@ -19,11 +19,8 @@ class Case:
 
     Attributes
     ----------
-    axis : Axis
     results : sequence of OrderResult
         Ascending.
-    shape : NoiseModel
-    reference : ReferenceSigma
     tests : tuple of AdequacyTest
         Of the best order's residuals, where the noise is Gaussian.
     geometry : tuple of str

@@ -51,8 +51,6 @@ def compare_lenses(
 
     Parameters
     ----------
-    views : Views
-    request : LensRequest
     settings : Settings
         Of which sigma, seed and ess are used.
     progress : callable, optional

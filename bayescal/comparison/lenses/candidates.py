@@ -46,10 +46,8 @@ class Candidate:
     ----------
     name : str
         As tables show it.
-    family : str
     order : int or None
         Number of radial coefficients, where the family has orders.
-    lens : Lens
     parents : tuple of str
         Names of candidates it contains: its fit may begin from theirs.
     """

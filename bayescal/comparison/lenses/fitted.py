@@ -24,10 +24,6 @@ class FittedLens:
 
     Attributes
     ----------
-    candidate : Candidate
-    model : LensModel
-    fit : Fit
-    setting : Setting
     start : tuple of Node
         Error models to begin from.
     draws : int

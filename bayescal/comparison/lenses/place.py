@@ -11,8 +11,6 @@ class Place:
 
     Attributes
     ----------
-    name : str
-    pixel : tuple of float
     infinity, near : float or None
         Standard deviation, root mean square of r and c, of a point at infinity and of one at the
         target's distance; None where the lens sees nothing there.

@@ -50,7 +50,6 @@ def places(
     ----------
     lenses : sequence of JudgedLens
         The best first: what the other probable ones predict otherwise adds to the variance.
-    data : Observations
     covariance : Array
         Of the best lens's coordinates, the error models averaged.
     halves : tuple of Array

@@ -37,7 +37,6 @@ class View:
 
     Attributes
     ----------
-    model : LensModel
     x : Array
         Coordinates of the lens, ``(dimension,)``; those of bow are passed over.
     """
@@ -93,7 +92,6 @@ def response(view: View, pixels: Array, sample: Array, depth: float | None) -> A
 
     Parameters
     ----------
-    view : View
     pixels, sample : Array
         Where it is wanted, and what the poses hold to, ``(n, 2)`` and ``(m, 2)``.
     depth : float or None
@@ -122,7 +120,6 @@ def difference(one: View, other: View, pixels: Array, sample: Array, depth: floa
 
     Parameters
     ----------
-    one, other : View
     pixels, sample : Array
         Where it is wanted, and what the poses hold to, px.
     depth : float or None
@@ -167,12 +164,10 @@ def distances_drawn(
 
     Parameters
     ----------
-    one, other : View
     covariance : Array
         Of the one lens's coordinates, ``(d, d)``.
     pixels, sample : Array
         Where it is wanted, and what the other lens and the poses hold to, px.
-    rng : numpy.random.Generator
     """
     apart = difference(one, other, pixels, sample, None)
     held, holding = (response(view, sample, sample, None) for view in (one, other))

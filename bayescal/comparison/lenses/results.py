@@ -35,8 +35,6 @@ class JudgedLens(Judged):
 
     Attributes
     ----------
-    key : LensKey
-    candidate : Candidate
     model : LensModel
         Without bow.
     fit : Fit
@@ -49,7 +47,6 @@ class JudgedLens(Judged):
         Where sigma is known.
     aic, bic : float
         Of that fit, poses counted.
-    evidence : LensEvidence
     loo : LeaveOneOut or None
         A unit is a view, its pose integrated, all else fitted to the others; None where the lens
         is too improbable to be looked at, or there are too few views.
@@ -123,7 +120,6 @@ class Evidenced:
 
     Attributes
     ----------
-    views : Views
     setting : Setting
         Observations, error models, what is known of sigma.
     lenses : tuple of JudgedLens
@@ -132,8 +128,6 @@ class Evidenced:
         Lenses that can't see some point of these views.
     failures : tuple of str
         Lenses whose fit stayed worse than that of one they contain.
-    drawn : Drawn
-    places : tuple of Place
     """
 
     views: Views
@@ -183,11 +177,8 @@ class LensComparison(Evidenced, convert.Converts):
 
     Attributes
     ----------
-    verdict : LensVerdict
     notes : tuple of str
         What was assumed.
-    request : LensRequest
-    settings : Settings
     origin : dict or None
         As of `bayescal.comparison.results.Comparison`.
     """

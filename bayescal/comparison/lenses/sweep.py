@@ -43,8 +43,6 @@ class Sweep:
 
     Parameters
     ----------
-    views : Views
-    request : LensRequest
     level : Level
         What is known of sigma.
 

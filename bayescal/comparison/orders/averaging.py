@@ -115,8 +115,6 @@ def averaged_over(
 
     Parameters
     ----------
-    axis : Axis
-    results : sequence of OrderResult
     order : int or None
         The one whose prediction stands beside.
 

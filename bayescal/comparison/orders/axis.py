@@ -27,11 +27,8 @@ class Axis:
     ----------
     data : AxisData
         With deviations only where they are used.
-    noise : NoiseLevel
     source : str
         How the noise level was chosen, in words.
-    rule : PriorRule
-    family : str
     highest : int
         The highest order compared, at which the points are factorised.
     shape : NoiseModel

@@ -29,7 +29,6 @@ class OrderResult(Judged, convert.Converts):
         Residual sum of squares, px^2, unweighted.
     goodness : GoodnessOfFit
         Without numbers where the noise is not Gaussian, as are the criteria.
-    criteria : Criteria
     posterior : Posterior
         Draws and their summaries, beside the closed form where there is one.
     """

@@ -27,7 +27,6 @@ class Difference:
 
     Attributes
     ----------
-    order : int
     largest : float
         With 95 % probability no more than this anywhere in the domain, px.
     """
@@ -84,9 +83,6 @@ def sufficiency(
 
     Parameters
     ----------
-    data : AxisData
-    noise : NoiseLevel
-    results : sequence of OrderResult
     plausible : sequence of int
         Orders of the plausible set, the recommended one first.
     tolerance : float or None

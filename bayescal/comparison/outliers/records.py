@@ -26,7 +26,6 @@ class PointRecord:
     ----------
     index : int
         From 0.
-    label : str
     measured : float
         px.
     predicted, predicted_sd : float
@@ -100,12 +99,7 @@ class RobustView:
 
 @dataclass(frozen=True)
 class Elimination:
-    """The chi-squared elimination of an axis at every order compared.
-
-    Attributes
-    ----------
-    by_order : dict of int to Rejection
-    """
+    """The chi-squared elimination of an axis at every order compared."""
 
     by_order: dict[int, Rejection]
 

@@ -155,7 +155,6 @@ class Rejection:
 
     Attributes
     ----------
-    rule : RejectionRule
     steps : tuple of RejectionStep
         In the order of going.
     kept : IntArray

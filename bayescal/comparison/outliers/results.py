@@ -100,9 +100,6 @@ class AxisOutliers:
 
     Attributes
     ----------
-    data : AxisData
-    level : NoiseLevel
-    prior : PriorRule
     noise_source : str
         How the noise level was chosen, in words.
     order : int
@@ -264,8 +261,6 @@ class OutlierStudy:
 
     Attributes
     ----------
-    axes : dict of str to AxisOutliers
-    points : Correspondences
     significance : float
         Of the chi-squared elimination, family-wise.
     settings : Settings

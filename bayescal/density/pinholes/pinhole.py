@@ -33,9 +33,6 @@ class PinholeModel(ABC):
 
     Attributes
     ----------
-    geometry : PinholeGeometry
-    prior : PinholePrior
-    data : JointData
     fit : PinholeFit
         Maximum likelihood under Gaussian noise.
     frame : Normal

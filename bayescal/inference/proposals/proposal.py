@@ -71,7 +71,6 @@ class LinearProposal:
 
     Parameters
     ----------
-    exact : ExactPosterior
     width : float, optional
         Factor on the amplitudes' proposal deviations (1 is the exact posterior).
     """

@@ -41,8 +41,6 @@ class Unfinished(Store):
     ----------
     folder : Path
         What it holds of another request, other points or other versions is removed.
-    points : Correspondences
-    settings : Settings
     request : Any
         What else was asked for.
     """
