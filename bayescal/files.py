@@ -42,6 +42,20 @@ def write_whole(path: Path, content: bytes, *, force: bool = False) -> None:
         raise OutputError(f"{path}: {_reason(error)}") from None
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder, and those above it, unless it is there.
+
+    Raises
+    ------
+    OutputError
+        Where it can't be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder}: {_reason(error)}") from None
+
+
 def check_free(path: Path, *, force: bool = False) -> None:
     """Refuse, before any work is done, a place that can't be written to.
 

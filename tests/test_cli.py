@@ -248,8 +248,8 @@ import sys
 from importlib.util import find_spec
 from bayescal.cli import main
 main(["compare", "--orders", "1", "--axis", "c", "--ess", "100", "--quiet"])
-spared = ["comparison.defence.defence", "comparison.leave_one_out",
-          "comparison.psis",
+spared = ["comparison.defence.defence", "comparison.criteria.leave_one_out",
+          "comparison.criteria.psis",
           "density.robust_linear", "inference.sampled_posterior", "report.document",
           "comparison.families.analysis", "comparison.outliers"]
 loaded = [name for name in spared if f"bayescal.{name}" in sys.modules]

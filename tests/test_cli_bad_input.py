@@ -196,7 +196,7 @@ def test_unknown_command(refuse: Refuse) -> None:
         (["--out", "link", "--force"], "link: exists and is not a run"),
         (["--out", "dangling", "--force"], "dangling: exists and is not a run"),
         (["--out", "n" * 300], "file name too long"),
-        (["--out", "/proc/run"], "/proc/run: "),
+        (["--out", "/proc/run"], "/proc/run"),
         (["--out", "earlier"], "earlier: holds an earlier run; choose another name or add --force"),
         (["--out", "new", "--json", "new"], "new"),
         (["--out", "new", "--json", "new/result.json"], "new/result.json: there is no folder new"),

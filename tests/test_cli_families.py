@@ -113,17 +113,23 @@ def test_the_setup_states_pose_and_optics(capsys, tmp_path):
         assert match in err
 
 
+def parameter_rows(out: str) -> list[list[str]]:
+    """Words of the rows that state a parameter in px."""
+    rows = [line.split() for line in out.splitlines() if " to " in line]
+    return [row for row in rows if row[1] == "px"]
+
+
 def test_a_fit_at_the_stated_position_prints_what_the_axes_say(capsys):
     """Order 1 of the separable family: each row as `fit` has it, which samples it with emcee."""
     orders = ("--order-r", "1", "--order-c", "1")
     code, out, _ = run(capsys, "fit", "--family", "separable", "--position", "stated", *orders)
     assert code == 0
     fit = bc.fit(bc.thesis(), 1, 1)
-    rows = {line.split()[0]: line.split() for line in out.splitlines() if " to " in line}
+    rows = {row[0]: row for row in parameter_rows(out)}
     for axis, result in fit.axes.items():
         for p in result.chosen.posterior.parameters:
             name = p.name if "_" in p.name else f"{p.name}_{axis}"
-            _, unit, mean, sd, low, _, high = rows.pop(name)
+            _, unit, mean, sd, *_, low, _, high = rows.pop(name)
             assert unit == "px"
             half = 0.5 * 10 ** -len(sd.partition(".")[2])  # the last digit shown
             error = 4 * p.sd / p.ess_tail**0.5
@@ -139,7 +145,7 @@ def test_a_bivariate_fit_prints_its_coefficients(capsys):
     """At order 1 there are three on each axis, and which power is whose is said."""
     code, out, _ = run(capsys, "fit", "--family", "bivariate", "--order", "1")
     assert code == 0
-    names = [line.split()[0] for line in out.splitlines() if " to " in line]
+    names = [row[0] for row in parameter_rows(out)]
     coefficients = [f"{s}_{p}" for s in ("alpha", "beta") for p in ("00", "10", "01")]
     assert names == [*coefficients[:3], "sigma_r", *coefficients[3:], "sigma_c"]
     assert "First power: of x/z in r (alpha), of y/z in c (beta)" in out

@@ -16,7 +16,7 @@ from bayescal.comparison.key import Key
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.encoding import Encoded, encoded
-from bayescal.files import write_whole
+from bayescal.files import make_folder, write_whole
 from bayescal.inference.arviz_bridge import netcdf_bytes, parse_netcdf
 from bayescal.inference.checked_posterior import CheckedPosterior
 from bayescal.inference.sampled_model import SampledModel
@@ -80,7 +80,7 @@ class Unfinished(Store):
 
     def _keep(self, name: str, raw: bytes) -> None:
         if not (self.folder / ABOUT).is_file():
-            self.folder.mkdir(parents=True, exist_ok=True)
+            make_folder(self.folder)
             write_whole(self.folder / ABOUT, self._about)
         write_whole(self.folder / name, raw, force=True)
 
