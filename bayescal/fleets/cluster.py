@@ -149,8 +149,9 @@ def _outcome(future: Future[Any]) -> Any:
     from concurrent.futures import CancelledError
 
     try:
-        if future.status in ("cancelled", "lost"):
+        if future.status == "cancelled":
             raise CancelledError
+        # What a worker had that ended before it was asked is computed again, and waited for.
         error = future.exception()
         return future.result() if error is None else error
     except (CancelledError, OSError):
