@@ -180,7 +180,7 @@ def test_two_points_of_a_straight_line():
     whole(defended(camera_points(2), (1,)))
 
 
-@pytest.mark.parametrize("sigma", [1e-5, 1e-4, 1e-2, 0.1, 1e4, 1e9])
+@pytest.mark.parametrize("sigma", [1e-5, 0.1, 1e4, 1e9])
 @pytest.mark.parametrize("n", [3, 20])
 def test_sigma_far_too_small_or_too_large_gives_statistics_or_words(n, sigma):
     """Known sigma from a hundred-thousandth to a billion of px, noise of 1 px."""
