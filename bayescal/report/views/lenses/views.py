@@ -109,7 +109,9 @@ def verdict_section(found: LensComparison) -> Section:
 
 def lenses_section(found: LensComparison) -> Section:
     """Show the evidence and what the choice is worth."""
-    blocks: list[Block] = [_figure(found, "evidence"), lenses(found), _figure(found, "models")]
+    blocks: list[Block] = [lenses(found)]
+    if len(found) > 1:
+        blocks = [_figure(found, "evidence"), *blocks, _figure(found, "models")]
     if len(found.lenses) > SHOWN:
         every = lenses_table(found, len(found.lenses))
         table = Tabled("lenses-all", "Every lens compared.", every)
