@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from typing import TYPE_CHECKING
 
 from bayescal.commands.shared.camera import (
@@ -84,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
         apart = distances(camera, *ends, surface, seed=options.seed)
         columns = using.asked_and_found(table, PAIR, named.pair_columns(apart))
         schema, facts = using.DISTANCES, {"probability": apart.probability}
-        view = lambda: shown.pair_view(camera, table, apart, surface)  # noqa: E731
+        view = partial(shown.pair_view, camera, table, apart, surface)
     else:
         table = read_table(options, options.pixels, ("r", "c"))
         from bayescal.prediction.locate import locate
@@ -92,7 +93,7 @@ def run(options: argparse.Namespace) -> int:
         found = locate(camera, table.columns("r", "c"), surface=surface, seed=options.seed)
         columns = using.asked_and_found(table, ("r", "c"), named.location_columns(found))
         schema, facts = using.LOCATION, {"probability": found.probability}
-        view = lambda: shown.location_view(camera, table, found)  # noqa: E731
+        view = partial(shown.location_view, camera, table, found)
     command = options.command_line
     publish_rows(
         options,

@@ -13,10 +13,10 @@ from bayescal.comparison.conclusion import Verdict
 from bayescal.comparison.convert import Converts, Held, models_frame, moments
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.key import FREE, PINHOLE, STATED, Key
+from bayescal.comparison.standing import DECIDED, standing_among
 from bayescal.comparison.verdict import listed_words, percent
 from bayescal.markup import bullets
 from bayescal.points.correspondences import Correspondences
-from bayescal.rounding import counted
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
     import pandas as pd
@@ -32,7 +32,6 @@ if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
     from bayescal.inference.weighting import WeightedDraws
     from bayescal.linear.closed_form import ExactPosterior
 
-DECIDED = "decided at 95%"
 NAMED = 4  # plausible models named beside the most probable one
 
 
@@ -228,12 +227,7 @@ class FamilyVerdict(Verdict):
     @property
     def standing(self) -> str:
         """How the most probable model stands, in a few words."""
-        if self.compared == 1:
-            return "; ".join(("the only one compared", *self.withheld[:1]))
-        chance, others = f"{percent(self.chances[0])} probable", len(self.plausible) - 1
-        if self.withheld:
-            return f"{chance} among those compared; not decided: {self.withheld[0]}"
-        return f"{chance}; " + (f"{counted(others, 'other')} not excluded" if others else DECIDED)
+        return standing_among(self, self.compared)
 
     @property
     def headline(self) -> str:

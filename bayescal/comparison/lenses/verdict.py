@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bayescal.comparison.conclusion import Verdict
+from bayescal.comparison.standing import standing_among
 from bayescal.comparison.verdict import listed_words, percent
-from bayescal.rounding import counted, significant
+from bayescal.rounding import significant
 
 TOLERANCE = 0.1  # px: lenses that differ by less are alike for nearly any use
 
@@ -67,14 +68,7 @@ class LensVerdict(Verdict):
     @property
     def standing(self) -> str:
         """How the most probable lens stands, in a few words."""
-        if self.compared == 1:
-            return "; ".join(("the only one compared", *self.withheld[:1]))
-        chance, others = f"{percent(self.chances[0])} probable", len(self.plausible) - 1
-        if self.withheld:
-            return f"{chance} among those compared; not decided: {self.withheld[0]}"
-        if self.decided:
-            return f"{chance}; decided at 95%"
-        return f"{chance}; {counted(others, 'other')} not excluded"
+        return standing_among(self, self.compared)
 
     @property
     def headline(self) -> str:
