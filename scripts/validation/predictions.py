@@ -17,7 +17,7 @@ from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.prediction.calibrated.alignment import absorbed_turns
 from bayescal.prediction.sights import image_grid, sights
 from scripts.validation.sections import options_of, publish
-from scripts.validation.simulated_boards import Errors, Truth, views_of
+from scripts.validation.simulated_boards import Errors, Truth, some_intrinsics, views_of
 from scripts.validation.turned_camera import TURNED, projected, turned_points
 
 HEADING = "## Predictions, distances, poses, changes"
@@ -119,10 +119,10 @@ def pinhole() -> Kind:
 
 def lens() -> Kind:
     """Show a board to a radial lens of order 1 in six views with 0.3 px of noise."""
-    truth = Truth((-60.0,), None)
+    truth, intrinsics = Truth((-60.0,), None), some_intrinsics(np.random.default_rng(0))
 
     def calibrated(rng: np.random.Generator) -> Calibrated:
-        views, intrinsics = views_of(truth, Errors(0.3), 6, rng)
+        views, _ = views_of(truth, Errors(0.3), 6, rng, intrinsics)
         camera = bc.camera(bc.calibrate(views, lenses=[truth.key], independent=True, ess=100))
         one = lens_named("radial", order=1, tangential=False)
         radius = float(np.hypot(*(camera.size or (0, 0)))) / 2

@@ -77,14 +77,24 @@ def some_lens(rng: np.random.Generator) -> Truth:
     return Truth(radial, (float(first), float(second)))
 
 
-def views_of(
-    truth: Truth, errors: Errors, n_views: int, rng: np.random.Generator
-) -> tuple[Views, Array]:
-    """Photograph a chessboard so that it lies within the image; with fx, fy, cx, cy."""
+def some_intrinsics(rng: np.random.Generator) -> Array:
+    """Draw fx, fy, cx, cy, px."""
     focal = float(WIDTH * np.exp(rng.normal(0, 0.15)))
-    intrinsics = np.array(
+    return np.array(
         [focal, focal * (1 + 0.002 * rng.standard_normal()), WIDTH / 2 + 12, HEIGHT / 2 - 9]
     )
+
+
+def views_of(
+    truth: Truth,
+    errors: Errors,
+    n_views: int,
+    rng: np.random.Generator,
+    intrinsics: Array | None = None,
+) -> tuple[Views, Array]:
+    """Photograph a chessboard so that it lies within the image; with fx, fy, cx, cy."""
+    intrinsics = some_intrinsics(rng) if intrinsics is None else intrinsics
+    focal = float(intrinsics[0])
     lens, k = truth.lens(focal)
     flat = board()
     bent = with_errors(flat, errors, rng)
