@@ -24,7 +24,8 @@ from bayescal.prior.camera import PinholePrior
 
 # A climb that takes more creeps along a valley, of a lens that folds its image for one.
 MOST_ROUNDS, MOST_EVALUATIONS = 30, 200
-TOLERANCE = 1e-12  # of the log likelihood, relative
+# While the levels move and at the end: tolerances of a fit at given levels, and of ln L, relative.
+STAGES = ((1e-2, 1e-6), (1e-14, 1e-12))
 # ln L by which a mirrored world must fit better to say that an axis is mirrored.
 MIRRORED = 10.0
 BEHIND = 1e8  # residual of a point without an image, in sigmas
@@ -126,29 +127,32 @@ def _starts(geometry: PinholeGeometry, prior: PinholePrior, data: JointData) -> 
 
 
 def _climb(geometry: PinholeGeometry, data: JointData, start: Array) -> PinholeFit | None:
-    """Climb the likelihood, the axes weighted by their levels until these settle."""
-    deviations, n = data.deviations, data.n
-    sigma = np.array([1.0 if level.value is None else level.value for level in data.levels])
+    """Climb the likelihood, the axes weighted by their levels until these settle.
+
+    Each axis is weighted by its own residuals from the start on: equal weights can lead from a
+    good start to a lesser mode, which follows the worse axis at the other's cost.
+    """
+    found = _residuals(geometry, data, start)
+    sigma = np.ones(2) if found is None else _levels(data, _squares(data, found))
     free, last = start, -math.inf
+    stages = iter(STAGES)
+    inner, outer = next(stages)
     for _ in range(MOST_ROUNDS):
-        weight = 1 / (sigma[:, None] * deviations)
-        free = _minimise(geometry, data.pixels, weight, free)
-        pixels, depth = geometry.project(geometry.full(free[None]))
-        if not (depth > 0).all():
+        weight = 1 / (sigma[:, None] * data.deviations)
+        free = _minimise(geometry, data.pixels, weight, free, inner)
+        found = _residuals(geometry, data, free)
+        if found is None:
             return None
-        residuals = data.pixels - pixels[0]
-        rss = ((residuals / deviations) ** 2).sum(axis=1)
-        likelihood = data.log_likelihood(rss)
-        sigma = np.array(
-            [
-                math.sqrt(max(q, 1e-300) / n) if level.value is None else level.value
-                for level, q in zip(data.levels, rss.tolist(), strict=True)
-            ]
-        )
-        if likelihood - last <= TOLERANCE * abs(likelihood):
-            break
+        residuals = found
+        rss = _squares(data, residuals)
+        sigma, likelihood = _levels(data, rss), data.log_likelihood(rss)
+        if likelihood - last <= outer * abs(likelihood):
+            stage = next(stages, None)
+            if stage is None:
+                break
+            inner, outer = stage
         last = likelihood
-    jacobian = geometry.jacobian(free) / (sigma[:, None] * deviations)[:, :, None]
+    jacobian = geometry.jacobian(free) / (sigma[:, None] * data.deviations)[:, :, None]
     return PinholeFit(
         frozen(free),
         frozen(residuals),
@@ -159,7 +163,30 @@ def _climb(geometry: PinholeGeometry, data: JointData, start: Array) -> PinholeF
     )
 
 
-def _minimise(geometry: PinholeGeometry, t: Array, weight: Array, start: Array) -> Array:
+def _residuals(geometry: PinholeGeometry, data: JointData, free: Array) -> Array | None:
+    """Measured less predicted, ``(2, n_points)``, px; None where a point has no image."""
+    with np.errstate(all="ignore"):
+        pixels, depth = geometry.project(geometry.full(free[None]))
+    if not ((depth > 0).all() and np.isfinite(pixels).all()):
+        return None
+    return np.asarray(data.pixels - pixels[0])
+
+
+def _squares(data: JointData, residuals: Array) -> Array:
+    """Weighted sum of squares of each axis, ``(2,)``."""
+    return np.asarray(((residuals / data.deviations) ** 2).sum(axis=1))
+
+
+def _levels(data: JointData, rss: Array) -> Array:
+    """Noise level of each axis: known, or the most likely one, ``(2,)``."""
+    pairs = zip(data.levels, rss.tolist(), strict=True)
+    likely = [math.sqrt(max(q, 1e-300) / data.n) if v.value is None else v.value for v, q in pairs]
+    return np.array(likely)
+
+
+def _minimise(
+    geometry: PinholeGeometry, t: Array, weight: Array, start: Array, tolerance: float
+) -> Array:
     def residuals(free: Array) -> Array:
         with np.errstate(all="ignore"):
             pixels, depth = geometry.project(geometry.full(free[None]))
@@ -172,8 +199,8 @@ def _minimise(geometry: PinholeGeometry, t: Array, weight: Array, start: Array) 
         return np.nan_to_num(slopes, posinf=0.0, neginf=0.0).reshape(-1, geometry.dimension)
 
     found = least_squares(
-        residuals, start, jacobian, method="lm", x_scale="jac", xtol=1e-14, ftol=1e-14, gtol=1e-14,
-        max_nfev=MOST_EVALUATIONS,
+        residuals, start, jacobian, method="lm", x_scale="jac",
+        xtol=tolerance, ftol=tolerance, gtol=tolerance, max_nfev=MOST_EVALUATIONS,
     )  # fmt: skip
     return np.asarray(found.x)
 
