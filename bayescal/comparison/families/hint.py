@@ -12,8 +12,8 @@ from threadpoolctl import threadpool_limits
 
 from bayescal.comparison.criteria.information import criteria
 from bayescal.comparison.families.models import (
+    fitted_pinhole,
     free_model,
-    gaussian_pinhole,
     joint_criteria,
     joint_data,
 )
@@ -22,6 +22,7 @@ from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
 from bayescal.density.joint_data import JointData
+from bayescal.density.pinholes.gaussian import GaussianPinhole
 from bayescal.density.pinholes.proposal import ladder
 from bayescal.density.position_search import position_mode
 from bayescal.errors import InputError
@@ -87,7 +88,7 @@ def decisively_better(
     10, or where no such model can be fitted.
     """
     with threadpool_limits(1), np.errstate(all="ignore"):
-        found = _rivals(points, axes, stated.orders, settings)
+        found = _rivals(points, axes, stated, settings)
     if not found:
         return None
     best = max(found, key=lambda rival: rival.log_evidence)
@@ -119,10 +120,11 @@ class _Rival:
 
 
 def _rivals(
-    points: Correspondences, axes: tuple[Axis, Axis], orders: tuple[int, int], settings: Settings
+    points: Correspondences, axes: tuple[Axis, Axis], stated: Stated, settings: Settings
 ) -> list[_Rival]:
-    """Fit the models of the hint, as far as the points allow."""
-    k, m = orders
+    """Fit the models of the hint that may be decisively better, as far as the points allow."""
+    k, m = stated.orders
+    needed = stated.log_evidence + DECISIVE / 2
     data, out = joint_data(axes), []
     with contextlib.suppress(*NO_MODEL):
         model, rss = free_model(points, axes, (k, m))
@@ -132,15 +134,26 @@ def _rivals(
     for where, order in itertools.product((FREE, STATED), (0, 1)):
         # Points of one plane leave a free position open, not the stated one.
         with contextlib.suppress(*NO_MODEL):
-            out.append(_pinhole(points, order, where, data, settings))
+            out += _pinhole(points, order, where, data, settings, needed)
     return out
 
 
 def _pinhole(
-    points: Correspondences, order: int, where: str, data: JointData, settings: Settings
-) -> _Rival:
-    """Fit a pinhole, and weigh it by its Laplace approximation."""
-    model = gaussian_pinhole(points, order, where, "even", data, settings)
+    points: Correspondences,
+    order: int,
+    where: str,
+    data: JointData,
+    settings: Settings,
+    needed: float,
+) -> list[_Rival]:
+    """Fit a pinhole, and weigh it by its Laplace approximation; none where it can't be enough.
+
+    No evidence, an average of the likelihood, exceeds the likelihood's maximum.
+    """
+    geometry, prior, fit = fitted_pinhole(points, order, where, "even", data, settings)
+    if fit.log_likelihood < needed:
+        return []
+    model = GaussianPinhole.of(geometry, prior, data, fit)
     mass = float(logsumexp(ladder(model)[1]))
     count = model.geometry.dimension + sum(data.inferred)
     bic = joint_criteria(data, model.fit.rss, count).bic
@@ -148,4 +161,4 @@ def _pinhole(
     if where == FREE:
         at = model.geometry.position(model.geometry.full(model.fit.free[None]))[0]
         position = tuple(at.tolist())
-    return _Rival(mass, bic, f"pinhole of order {order}", position)
+    return [_Rival(mass, bic, f"pinhole of order {order}", position)]

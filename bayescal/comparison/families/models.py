@@ -204,7 +204,7 @@ def gaussian_pinhole(
     once: Once = now,
 ) -> GaussianPinhole:
     """Build and fit a pinhole of one order."""
-    geometry, prior, fit = _fitted(points, order, position, radial, data, settings, once)
+    geometry, prior, fit = fitted_pinhole(points, order, position, radial, data, settings, once)
     frame = once("frame", Normal, partial(GaussianPinhole.frame_of, geometry, prior, data, fit))
     return GaussianPinhole(geometry, prior, data, fit, frame, GAUSSIAN)
 
@@ -219,21 +219,22 @@ def robust_pinhole(
     once: Once = now,
 ) -> RobustPinhole:
     """Build and fit a pinhole of one order under noise without a closed form."""
-    geometry, prior, fit = _fitted(points, order, position, radial, data, settings, once)
+    geometry, prior, fit = fitted_pinhole(points, order, position, radial, data, settings, once)
     noise = settings.choice.model(1.0)
     framed = once("frame", Framed, partial(RobustPinhole.framed, geometry, prior, data, fit, noise))
     return RobustPinhole(geometry, prior, data, fit, framed.frame, noise, framed.fits)
 
 
-def _fitted(
+def fitted_pinhole(
     points: Correspondences,
     order: int,
     position: str,
     radial: Radial,
     data: JointData,
     settings: Settings,
-    once: Once,
+    once: Once = now,
 ) -> tuple[PinholeGeometry, PinholePrior, PinholeFit]:
+    """Fit a pinhole of one order: its coordinates, prior and maximum likelihood."""
     prior = pinhole_prior(points, settings.tau)
     fixed = frozen(points.setup.position) if position == STATED else None
     geometry = PinholeGeometry(

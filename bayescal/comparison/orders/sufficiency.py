@@ -115,6 +115,9 @@ def noise_of(data: AxisData, noise: NoiseLevel, result: OrderResult) -> float:
     points = 1.0 if data.sd is None else float(np.median(data.sd))
     if noise.value is not None:
         return noise.value * points
+    if result.exact is not None:
+        means, _ = result.exact.summary
+        return points * float(means[result.exact.model.names.index(noise.parameter)])
     return points * result.posterior[noise.parameter].mean
 
 
