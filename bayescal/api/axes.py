@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
-from typing import Unpack
+from typing import Any, Unpack
 
 from bayescal.api.given import Given, GivenSetup, reduced, resumed
 from bayescal.api.options import Options, spelled_out
 from bayescal.comparison.analysis import Progress, analyse_points
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
+from bayescal.comparison.store import Store
 from bayescal.errors import InputError
+from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import axis_names
 
 
@@ -63,19 +66,35 @@ def compare(
     InputError
         Where the points can't determine an order, or a setting is not usable.
     """
-    wanted = checked_orders(orders)
-    settings = Settings(**options, defend=defend)
-    by_axis = dict.fromkeys(axis_names(axis), wanted)
-    points, whole = reduced(points, setup, by_axis, settings)
-    store = resumed(resume, points, settings, by_axis)
-    result = analyse_points(points, by_axis, settings, progress, store, whole)
-    if not hint:
-        return result
-    if progress is not None:
-        progress("looking at other families", 0)
-    from bayescal.comparison.families.hint import family_hint
+    return compared(
+        points,
+        Settings(**options, defend=defend),
+        partial(resumed, resume),
+        orders,
+        axis=axis,
+        hint=hint,
+        setup=setup,
+        progress=progress,
+    )
 
-    return result.with_hint(family_hint(points, result, settings))
+
+def compared(
+    points: Given,
+    settings: Settings,
+    store_of: Callable[[Correspondences, Settings, Any], Store | None],
+    orders: Iterable[int] = DEFAULT_ORDERS,
+    *,
+    axis: str = "both",
+    hint: bool = True,
+    setup: GivenSetup = None,
+    progress: Progress | None = None,
+) -> Comparison:
+    """Compare as `compare` does, posteriors from a store made for points, settings and orders."""
+    by_axis = dict.fromkeys(axis_names(axis), checked_orders(orders))
+    points, whole = reduced(points, setup, by_axis, settings)
+    store = store_of(points, settings, by_axis)
+    result = analyse_points(points, by_axis, settings, progress, store, whole)
+    return _hinted(points, result, settings, progress) if hint else result
 
 
 @spelled_out(Options)
@@ -116,6 +135,13 @@ def fit(
     settings = Settings(**options, defend=False)
     points, whole = reduced(points, setup, orders, settings)
     result = analyse_points(points, orders, settings, progress, whole=whole)
+    return _hinted(points, result, settings, progress)
+
+
+def _hinted(
+    points: Correspondences, result: Comparison, settings: Settings, progress: Progress | None
+) -> Comparison:
+    """Say whether another family or a free position is decisively better."""
     if progress is not None:
         progress("looking at other families", 0)
     from bayescal.comparison.families.hint import family_hint

@@ -9,8 +9,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError, OutputError
 from bayescal.files import check_folder
+from bayescal.fleets.closed_forms import ClosedForms
 from bayescal.fleets.fleet import Fleet
 from bayescal.fleets.journal import Journal
 from bayescal.fleets.judging import Camera, judge_fleet
@@ -19,10 +21,11 @@ from bayescal.fleets.record import Record
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import Setup
 from bayescal.points.views.views import Views
-from bayescal.report.page.fleet import FOLDER, save_fleet
 
 # What judges a camera, and the module of this room that it lives in.
 MODULES = {"compare": "axes", "calibrate": "calibrate"}
+# What `compare` is asked for beside its settings.
+ASKED = ("orders", "axis", "hint")
 Read = Callable[[Listed], Correspondences | Views]
 
 
@@ -111,6 +114,8 @@ def fleet(
         progress=progress or (lambda _: None),
     )
     if place is not None:
+        from bayescal.report.page.fleet import save_fleet
+
         save_fleet(found, place, command)
     return found
 
@@ -118,10 +123,15 @@ def fleet(
 def judge(data: Correspondences | Views, seed: int, settings: Mapping[str, Any]) -> Record:
     """Judge one camera as `compare` or `calibrate` does, and keep what a fleet needs."""
     options = {name: v for name, v in settings.items() if name not in ("judged by", "seed")}
-    found = _judge_named(settings["judged by"])(data, seed=seed, **options)
-    return (
-        Record.of_lenses(found) if settings["judged by"] == "calibrate" else Record.of_orders(found)
-    )
+    if settings["judged by"] == "calibrate":
+        from bayescal.api.calibrate import calibrate
+
+        return Record.of_lenses(calibrate(data, seed=seed, **options))
+    from bayescal.api.axes import compared
+
+    asked = {name: options.pop(name) for name in ASKED if name in options}
+    found = compared(data, Settings(seed=seed, **options), lambda *_: ClosedForms(), **asked)
+    return Record.of_orders(found)
 
 
 def _judge_named(name: str) -> Callable[..., Any]:
@@ -195,6 +205,8 @@ def _cameras(given: Mapping[str, Any], read: Read) -> Iterable[Camera]:
 
 def _prepared(folder: Path) -> Path:
     """Make the folder, or take an earlier one up again."""
+    from bayescal.report.page.fleet import FOLDER
+
     if not (folder.is_dir() and not any(folder.iterdir())):
         check_folder(folder, FOLDER, force=True)
     try:

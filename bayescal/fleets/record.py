@@ -11,7 +11,7 @@ import numpy as np
 
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
-from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 
 LENS = "lens"
 DRAWS = 4000  # of the normals about a lens's modes
@@ -141,13 +141,22 @@ def _axis(axis: AxisComparison) -> Choice:
         Estimate(sigma, sigma / math.sqrt(2 * dof) if dof > 0 else None),
         {
             str(r.order): {
-                p.name: Estimate(p.mean, p.sd)
-                for p in r.posterior.parameters
-                if p.name.startswith(f"{axis.data.symbol}_")
+                name: estimate
+                for name, estimate in _summary(r).items()
+                if name.startswith(f"{axis.data.symbol}_")
             }
             for r in axis
         },
     )
+
+
+def _summary(found: OrderResult) -> dict[str, Estimate]:
+    """Mean and sd of every parameter: of the closed form, or of the draws where there is none."""
+    if found.exact is None:
+        return {p.name: Estimate(p.mean, p.sd) for p in found.posterior.parameters}
+    means, sds = found.exact.summary
+    estimates = map(Estimate, means.tolist(), sds.tolist())
+    return dict(zip(found.exact.model.names, estimates, strict=True))
 
 
 def _lens(found: LensComparison) -> Choice:

@@ -7,12 +7,16 @@ import signal
 import sys
 import time
 
+import numpy as np
 import pytest
 from distributed import Client
 from pyarrow import parquet
 
 import bayescal as bc
+from bayescal.api.axes import compared
 from bayescal.api.fleet import judge
+from bayescal.comparison.settings import Settings
+from bayescal.fleets.closed_forms import ClosedForms
 from bayescal.fleets.journal import NAME, Journal
 from bayescal.fleets.judging import digest_of, seed_of
 from bayescal.fleets.record import Record
@@ -56,6 +60,24 @@ def test_a_camera_is_what_compare_says(cameras, alone):
     found = bc.compare(cameras["camera 03"], seed=record.seed, **OPTIONS)
     assert Record.of_orders(found) == record
     assert Record.from_json(json.loads(json.dumps(record.to_json()))) == record
+
+
+def test_a_closed_form_is_drawn_only_where_draws_are_asked_for(cameras):
+    """Truth: the draws that `compare` makes with the same seed."""
+    points, asked = cameras["camera 03"], {"orders": [1, 2], "axis": "c", "hint": False}
+    found = compared(points, Settings(seed=5, ess=100), lambda *_: ClosedForms(), **asked)
+    assert not any("_drawn" in vars(result.posterior) for result in found["c"])
+    drawn = bc.compare(points, seed=5, ess=100, **asked)
+    for result, other in zip(found["c"], drawn["c"], strict=True):
+        np.testing.assert_array_equal(result.posterior.chain.draws, other.posterior.chain.draws)
+    assert repr(found["c"].verdict) == repr(drawn["c"].verdict)
+
+
+def test_noise_without_a_closed_form_is_sampled(cameras):
+    options = {**OPTIONS, "noise": "student-t", "orders": [1]}
+    record = judge(cameras["camera 03"], 5, {"judged by": "compare", **options})
+    found = bc.compare(cameras["camera 03"], seed=5, **options)["c"][1].posterior
+    assert record.choices[0].parameters["1"]["beta_1"].value == found["beta_1"].mean
 
 
 def test_a_journal_drops_what_a_crash_cut_short(alone, tmp_path):
