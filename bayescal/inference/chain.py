@@ -1,6 +1,6 @@
 """What sampling leaves: draws with their diagnostics, without the sampler.
 
-emcee imports scipy.stats, most of a second that what only reads draws need not wait for.
+What only reads draws need not wait for the sampler's import.
 """
 
 from __future__ import annotations

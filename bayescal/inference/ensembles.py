@@ -12,10 +12,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from emcee.moves import DEMove, Move
 
 from bayescal.arrays import Array
 from bayescal.inference.chain import Chain
+from bayescal.inference.lean_emcee import DEMove, Move
 from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.proposals.proposal import Proposal

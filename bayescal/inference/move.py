@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from emcee.moves import Move
 
 from bayescal.arrays import Array
+from bayescal.inference.lean_emcee import Move
 from bayescal.inference.proposals.proposal import Proposal
 
 # Proposals don't depend on the state, so they are drawn, and their densities evaluated, for

@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-import emcee
 import numpy as np
-from emcee.autocorr import auto_window
 
 from bayescal.arrays import Array
 from bayescal.inference.chain import Chain
 from bayescal.inference.diagnostics import autocovariance, diagnose
+from bayescal.inference.lean_emcee import EnsembleSampler, Move, auto_window
 from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.proposals.proposal import Proposal
@@ -68,7 +67,7 @@ def sample(
     return chain
 
 
-class VectorSampler(emcee.EnsembleSampler):
+class VectorSampler(EnsembleSampler):
     """An emcee sampler of a density that is evaluated for many walkers at once.
 
     emcee goes through what comes back number by number, in case blobs are among it: at 1000
@@ -86,7 +85,7 @@ class VectorSampler(emcee.EnsembleSampler):
 
 
 def quiet_sampler(
-    walkers: int, dimension: int, log_prob: Callable[[Array], Array], move: emcee.moves.Move
+    walkers: int, dimension: int, log_prob: Callable[[Array], Array], move: Move
 ) -> VectorSampler:
     """Make an emcee sampler that prints nothing.
 

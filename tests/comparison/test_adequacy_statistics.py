@@ -10,7 +10,7 @@ from bayescal.comparison.adequacy.coordinate import other_coordinate, other_coor
 from bayescal.comparison.adequacy.groups import effective_points, group_effects, shared_errors
 from bayescal.comparison.adequacy.heteroscedasticity import heteroscedasticity
 from bayescal.comparison.adequacy.level import chi_squared, whole_pixels
-from bayescal.comparison.adequacy.normality import normality
+from bayescal.comparison.adequacy.normality import normality, shapiro_wilk
 from bayescal.comparison.adequacy.null import simulated_residuals
 from bayescal.comparison.adequacy.outcome import holm
 from bayescal.comparison.adequacy.problem import Problem
@@ -224,12 +224,24 @@ def test_normality_is_scipys():
     fitted = problem(x, rng.standard_t(3, 30), 2)
     w = stats.shapiro(fitted.studentised)
     found = normality(fitted)
-    assert (found.value, found.p_value) == (w.statistic, w.pvalue)
+    np.testing.assert_allclose((found.value, found.p_value), w, rtol=1e-9)
     x = np.linspace(-1, 1, 6000)
     fitted = problem(x, rng.normal(size=6000), 2)
     jb = stats.jarque_bera(fitted.studentised)
     np.testing.assert_allclose([normality(fitted).value], [jb.statistic], rtol=1e-9)
     np.testing.assert_allclose([normality(fitted).p_value], [jb.pvalue], rtol=1e-9)
+
+
+@pytest.mark.parametrize("n", [3, 4, 5, 6, 11, 12, 57, 5000])
+def test_w_is_scipys(n: int) -> None:
+    rng = np.random.default_rng(n)
+    for z in (
+        rng.normal(size=n),
+        rng.standard_t(2, n),
+        np.arange(n) // 2 * 1.0,
+        1e3 + rng.random(n),
+    ):
+        np.testing.assert_allclose(shapiro_wilk(z), stats.shapiro(z), rtol=1e-9, atol=1e-11)
 
 
 def test_studentised_residuals_have_the_textbook_scale():
