@@ -43,7 +43,7 @@ class Accuracy:
 
 # Steps of `evenly` from one place to the next at which a density is looked at first.
 SCAN = 4
-# The log integral is good to about 1e-8 nat (tests/inference/test_closed_form.py).
+# The log integral is good to about 1e-8 nat (tests/linear/test_closed_form.py).
 FINE = Accuracy(resolve=3.0, drop=34.0, panel_nodes=13, tau_nodes=49, panels=24)
 # To about 0.01 nat: for thousands of resamples, whose own scatter is a thousand times that.
 COARSE = Accuracy(resolve=4.0, drop=14.0, panel_nodes=5, tau_nodes=17, panels=10, even=True)

@@ -10,7 +10,6 @@ from scipy.stats import multivariate_normal, norm
 
 import bayescal as bc
 from bayescal.comparison.families.models import free_model, joint_data, linear_axes, moving_axes
-from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.settings import Settings
 from bayescal.density.position_search import best_position, climb, linearised, position_mode
 from bayescal.inference.proposals.adaptation import effective_fraction
@@ -26,16 +25,7 @@ from bayescal.noise.level import NoiseLevel
 from bayescal.points.setup import Setup
 from bayescal.polynomials import bivariate, separable
 from bayescal.prior.camera import PositionPrior, position_prior
-from tests.helpers.problems import field_rule
-
-
-def axes(family):
-    made = [family.axis_data(bc.thesis(), a) for a in "rc"]
-    return tuple(axis_of(d, NoiseLevel.inferred()) for d in made)
-
-
-def axis_of(data, level):
-    return Axis(data, level, "", field_rule(data), "", highest=4)
+from tests.helpers.family_axes import axes, axis_of
 
 
 def exact_evidence(pair, orders):

@@ -7,17 +7,8 @@ import pytest
 
 import bayescal as bc
 from bayescal.report.numbers import point_chances
+from tests.helpers.hogg import TABLE
 
-# x, y, sigma_y of points 1 to 20.
-TABLE = np.array(
-    [
-        (201, 592, 61), (244, 401, 25), (47, 583, 38), (287, 402, 15), (203, 495, 21),
-        (58, 173, 15), (210, 479, 27), (202, 504, 14), (198, 510, 30), (158, 416, 16),
-        (165, 393, 14), (201, 442, 25), (157, 317, 52), (131, 311, 16), (166, 400, 34),
-        (160, 337, 31), (186, 423, 42), (125, 334, 26), (218, 533, 16), (146, 344, 22),
-    ],
-    dtype=float,
-)  # fmt: skip
 # Their Figure 1: the line through points 5 to 20, slope and intercept with standard errors.
 SLOPE, SLOPE_SE = 2.24, 0.11
 INTERCEPT, INTERCEPT_SE = 34.0, 18.0

@@ -32,7 +32,7 @@ from bayescal.noise.student_t import StudentT
 from bayescal.polynomials.axis_data import generic_axis
 from bayescal.polynomials.separable import axis_data
 from bayescal.prior.amplitudes import PriorRule
-from tests.density.test_hogg import TABLE
+from tests.helpers.hogg import TABLE
 
 
 def thesis_model(axis, order, noise, tau=None):

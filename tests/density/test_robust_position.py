@@ -17,7 +17,7 @@ from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.polynomials import bivariate, separable
 from bayescal.prior.camera import PositionPrior, position_prior
-from tests.density.test_free_position import axes
+from tests.helpers.family_axes import axes
 
 GAUSSIAN = Settings(noise="student-t", nu=1e10, defend=False)  # in all but name
 HEAVY = Settings(noise="student-t", defend=False)

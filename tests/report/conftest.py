@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -29,3 +30,9 @@ def families_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = here(*FAMILIES, "--out", folder, "--quiet")
     assert done == (0, "", "")
     return folder
+
+
+@pytest.fixture
+def families_copy(families_run: Path, tmp_path: Path) -> Path:
+    """A run of families to spoil."""
+    return Path(shutil.copytree(families_run, tmp_path / "run"))

@@ -13,7 +13,7 @@ from playwright.sync_api import Browser
 import bayescal as bc
 from bayescal.report.page.typography import typeset
 from tests.helpers.command import here
-from tests.report.page.test_page import read
+from tests.helpers.page import read
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
@@ -15,6 +14,7 @@ from bayescal.report.blocks import Section
 from bayescal.report.document.comparison import comparison_document
 from bayescal.report.page.page import Heading, Page, html, page_of, save_report
 from bayescal.report.page.typography import symbol, typeset, visible
+from tests.helpers.page import read
 from tests.helpers.points_files import rows, text, write
 
 HOSTILE = (
@@ -25,39 +25,6 @@ HOSTILE = (
     "Ж汉😀",
     "x" * 500,
 )
-
-
-class Reader(HTMLParser):
-    """Tags with their attributes, and the text of each script."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.tags: list[tuple[str, dict[str, str | None]]] = []
-        self.scripts: dict[str, str] = {}
-        self.script: str | None = None
-        self.words: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append((tag, dict(attrs)))
-        if tag == "script":
-            self.script = dict(attrs).get("id") or ""
-
-    def handle_endtag(self, tag: str) -> None:
-        if tag == "script":
-            self.script = None
-
-    def handle_data(self, data: str) -> None:
-        if self.script is None:
-            self.words.append(data)
-        else:
-            self.scripts[self.script] = self.scripts.get(self.script, "") + data
-
-
-def read(page: str) -> Reader:
-    reader = Reader()
-    reader.feed(page)
-    reader.close()
-    return reader
 
 
 def test_size(thesis_page: Path):

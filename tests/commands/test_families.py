@@ -1,6 +1,8 @@
 """compare --family, --position and fit --family: what they print, write and refuse."""
 
 import json
+from pathlib import Path
+from typing import Any
 
 import jsonschema
 import pytest
@@ -8,6 +10,7 @@ import pytest
 import bayescal as bc
 from bayescal.cli import main
 from bayescal.report.document.shared import schema
+from tests.helpers.command import here
 
 
 def run(capsys, *arguments):
@@ -150,3 +153,30 @@ def test_a_bivariate_fit_prints_its_coefficients(capsys):
     assert names == [*coefficients[:3], "sigma_r", *coefficients[3:], "sigma_c"]
     assert "First power: of x/z in r (alpha), of y/z in c (beta)" in out
     assert " (closed form); elpd " in out  # its error is of rounding alone
+
+
+def test_what_a_fit_prints_stands_in_its_document(tmp_path: Path) -> None:
+    """Coefficients at the stated position, closed form: each row's digits are the JSON's."""
+    made = tmp_path / "made.json"
+    orders = ("--order-r", "2", "--order-c", "1")
+    done = here("fit", "--family", "separable", *orders, "--json", made)
+    assert (done.code, done.err) == (0, "")
+    document: dict[str, Any] = json.loads(made.read_text(encoding="utf-8"))
+    jsonschema.validate(document, schema("families"))
+    (model,) = document["families"]["models"]
+    assert model["elpd_reliable"] is True
+    lines = [line for line in done.out.splitlines() if " to " in line and line[1] != " "]
+    rows = [line.split() for line in lines]
+    printed = {row[0]: row for row in rows}
+    assert list(printed) == [p["name"] for p in model["closed_form"]]
+    for p in model["closed_form"]:
+        assert p["axis"] == ("c" if p["name"].startswith("beta") else p["name"][-1]) or (
+            p["axis"] == "r" and p["name"].startswith("alpha")
+        )
+        mean, sd, *_, low, _, high = (
+            word for word in printed[p["name"]][1:] if word[-1].isdigit() or word == "to"
+        )
+        said = (p["mean"], p["sd"], *p["interval"])
+        for shown, value in zip((mean, sd, low, high), said, strict=True):
+            digits = len(shown.partition(".")[2])
+            assert float(shown) == pytest.approx(value, abs=0.5000001 * 10**-digits)

@@ -14,7 +14,7 @@ import pytest
 import bayescal as bc
 from bayescal.report.run import bounded
 from tests.helpers.command import here
-from tests.report.test_spoilt_runs import forge
+from tests.helpers.spoilt import forge
 
 FILES = ("result.json", "run.json", "points.csv", "setup.toml", "derived.npz", "draws/r-order-1.nc")
 

@@ -20,12 +20,7 @@ from bayescal.linear.least_squares import factorise, solve
 from bayescal.linear.replicates import clusters, pure_error
 from bayescal.noise.level import NoiseLevel
 from tests.helpers.problems import make_axis
-
-
-def problem(x, t, order, sd=None, sigma=None) -> Problem:
-    data = make_axis(x, t, sd=sd)
-    noise = NoiseLevel.inferred() if sigma is None else NoiseLevel.known(sigma)
-    return Problem.of(data, solve(factorise(data, order), order), noise)
+from tests.helpers.residual_problems import problem
 
 
 def refit(columns, t, sd=None) -> tuple[float, int, np.ndarray]:

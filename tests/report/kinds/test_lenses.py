@@ -22,7 +22,7 @@ from bayescal.report.figures.lenses import bow, uncertainty
 from bayescal.report.figures.registry import figure_kinds
 from tests.helpers import boards
 from tests.helpers.command import here
-from tests.report.test_spoilt_runs import cut, forged, result
+from tests.helpers.spoilt import cut, forged, result
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from bayescal.comparison.adequacy.predictive import (
     posterior_predictive,
     tail_of_largest,
 )
-from tests.comparison.test_adequacy_statistics import problem
+from tests.helpers.residual_problems import problem
 
 
 def test_ppp_equals_replication_point_by_point():

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import emcee
 import jsonschema
@@ -17,12 +15,12 @@ import pytest
 import bayescal as bc
 from bayescal.comparison.families import free, joint, models
 from bayescal.comparison.families.results import FamilyComparison
-from bayescal.inference.arviz_bridge import parse_netcdf, write_netcdf
+from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.camera import StatedCamera
 from bayescal.report.document.families import families_document
 from bayescal.report.document.shared import dumps, schema
 from tests.helpers.command import here
-from tests.report.test_spoilt_runs import cut, edit, forge, forged, result
+from tests.helpers.spoilt import forge
 
 
 def test_the_document_of_a_reopened_run_is_the_run_s_to_the_byte(families_run: Path) -> None:
@@ -52,14 +50,14 @@ def test_nothing_is_sampled_or_weighed(families_run: Path, monkeypatch: pytest.M
 
 
 def test_what_took_long_is_read_and_else_computed_again(
-    families_run: Path, copy: Path, monkeypatch: pytest.MonkeyPatch
+    families_run: Path, families_copy: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A run without it, as of an older version, says the same; one with it searches for nothing."""
-    (copy / "derived.npz").unlink()
-    manifest = json.loads((copy / "run.json").read_text())
+    (families_copy / "derived.npz").unlink()
+    manifest = json.loads((families_copy / "run.json").read_text())
     del manifest["files"]["derived.npz"]
-    (copy / "run.json").write_text(json.dumps(manifest))
-    kept, computed = bc.open_run(families_run), bc.open_run(copy)
+    (families_copy / "run.json").write_text(json.dumps(manifest))
+    kept, computed = bc.open_run(families_run), bc.open_run(families_copy)
     for one, other in zip(kept.models, computed.models, strict=True):
         assert np.array_equal(one.loo.pointwise, other.loo.pointwise)
         assert (one.loo.refitted, one.loo.mcse) == (other.loo.refitted, other.loo.mcse)
@@ -81,7 +79,7 @@ def test_what_took_long_is_read_and_else_computed_again(
             patch.setattr(module, name, refuse)
             bc.open_run(families_run)
             with pytest.raises(AssertionError, match="searched for"):  # negative control
-                bc.open_run(copy)
+                bc.open_run(families_copy)
 
 
 @pytest.mark.parametrize(
@@ -89,20 +87,20 @@ def test_what_took_long_is_read_and_else_computed_again(
     [("points.csv", ".0,", ".00,"), ("setup.toml", "[camera]", "# mine\n[camera]")],
 )
 def test_what_was_derived_from_other_points_is_not_believed(
-    name: str, old: str, new: str, copy: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, old: str, new: str, families_copy: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Even where every hash was forged: it names the points, camera and settings it is of."""
-    path = copy / name
+    path = families_copy / name
     assert old in path.read_text()
     path.write_text(path.read_text().replace(old, new, 1))
-    forge(copy, name)
+    forge(families_copy, name)
 
     def noted(*_: object, **__: object) -> None:
         raise AssertionError("fitted again")
 
     monkeypatch.setattr(models, "fit_pinhole", noted)
     with pytest.raises(AssertionError, match="fitted again"):
-        bc.open_run(copy)
+        bc.open_run(families_copy)
 
 
 def turned() -> bc.Correspondences:
@@ -162,129 +160,6 @@ def test_draws_are_named_for_people(families_run: Path) -> None:
     assert (sampled, weighted) == (3, 3)
 
 
-@pytest.fixture
-def copy(families_run: Path, tmp_path: Path) -> Path:
-    """A run to spoil."""
-    return Path(shutil.copytree(families_run, tmp_path / "run"))
-
-
-FIRST = "families.models.0"
-SPOILT: dict[str, tuple[Callable[[Path], object], str]] = {
-    "cut draws": (
-        lambda f: cut(f / "draws/pinhole-0-free.nc"),
-        r"pinhole-0-free\.nc: is not what was written .* cut",
-    ),
-    "cut draws, forged": (
-        forged("draws/pinhole-0-free.nc", cut),
-        r"pinhole-0-free\.nc: .*; make it again: bayescal compare --family",
-    ),
-    "no draws": (
-        lambda f: (f / "draws/separable-1-1-free.nc").unlink(),
-        r"separable-1-1-free\.nc: there is no such file; make it again",
-    ),
-    "other draws, forged": (
-        lambda f: [
-            shutil.copy(f / "draws/pinhole-0-free.nc", f / "draws/separable-1-1-free.nc"),
-            forge(f, "draws/separable-1-1-free.nc"),
-        ],
-        r"separable-1-1-free\.nc: holds focal_r, .*, not alpha_0",
-    ),
-    "edited": (
-        lambda f: edit(f / "result.json", ("verdict.text", "Mine wins.")),
-        r"result\.json: is not what was written there",
-    ),
-    "another evidence": (
-        result((f"{FIRST}.log_evidence", -1.5)),
-        r"the log evidence of .* is -1\.5 in the run but -3\d\d\.\d+ now: the same versions",
-    ),
-    "another elpd": (
-        result((f"{FIRST}.elpd_loo", -1.5)),
-        r"the leave-one-out elpd of .* is -1\.5 in the run",
-    ),
-    "another mean": (
-        result((f"{FIRST}.sampling.parameters.0.mean", -1.5)),
-        r"the mean of focal_r of pinhole 0, position free is -1\.5 in the run",
-    ),
-    "another parameter": (
-        result((f"{FIRST}.sampling.parameters.0.name", "zoom")),
-        r"parameters of pinhole 0, position free of the run are not .* now: focal_r",
-    ),
-    "not sampled": (
-        result((f"{FIRST}.sampling", None)),
-        r"sampling of pinhole 0, position free is nothing in the run",
-    ),
-    "another verdict": (
-        result(("verdict.best", "separable (1, 1), position stated")),
-        r"the best model is separable \(1, 1\), position stated in the run but pinhole 0",
-    ),
-    "a model renamed": (
-        result((f"{FIRST}.name", "fisheye 1")),
-        r"models of the run are not those computed now: fisheye 1",
-    ),
-    "other points": (
-        forged("points.csv", lambda p: p.write_text(p.read_text().replace("390", "391", 1))),
-        r"the (maximum of the log likelihood|log evidence|leave-one-out elpd) of .* in the run",
-    ),
-    "an unknown family": (
-        result(("settings.families", ["fisheye"])),
-        r"result\.json: family must be separable, bivariate, pinhole, not 'fisheye' .*; make it",
-    ),
-    "unknown powers": (
-        result(("settings.radial", "odd")),
-        r"result\.json: radial must be even or all, not 'odd'",
-    ),
-    "no pairs": (result(("settings.pairs", [[1, 2, 3]])), r"result\.json: .*; make it again"),
-    "another position": (
-        result(("settings.positions", ["free"])),
-        r"models of the run are not those computed now: pinhole 0, position stated",
-    ),
-    "more orders": (
-        result(("settings.radial_orders", [0, 1])),
-        r"pinhole-1-stated\.nc: there is no such file",
-    ),
-    "a setting to come": (
-        result(("settings.colour", "blue")),
-        r"was made with the setting 'colour', which bayescal \S+ does not have .*; upgrade",
-    ),
-    "an unusable setting": (result(("settings.ess", 1)), r"ess must be from 100 to 1000000"),
-    "a text for a number": (
-        result(("settings.tau", "x")),
-        r"is damaged: settings\.tau is missing or not what belongs there",
-    ),
-    "no models": (result(("families.models", [])), r"is damaged: families\.models is"),
-    "no parameters": (
-        result((f"{FIRST}.sampling.parameters", [])),
-        r"is damaged: families\.models\.0\.sampling\.parameters is",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", SPOILT)
-def test_a_spoilt_run_is_refused_in_one_line(name: str, copy: Path) -> None:
-    change, complaint = SPOILT[name]
-    change(copy)
-    with pytest.raises(bc.InputError, match=complaint) as caught:
-        bc.open_run(copy)
-    assert "\n" not in str(caught.value)
-    assert str(caught.value).startswith(str(copy))
-
-
-def test_rounding_is_no_disagreement(copy: Path) -> None:
-    value = json.loads((copy / "result.json").read_text())["families"]["models"][0]["log_evidence"]
-    result((f"{FIRST}.log_evidence", value + 5e-7))(copy)
-    bc.open_run(copy)
-    result((f"{FIRST}.log_evidence", value + 5e-6))(copy)
-    with pytest.raises(bc.InputError, match="log evidence of"):
-        bc.open_run(copy)
-
-
-def test_a_folder_without_hashes_says_so(copy: Path) -> None:
-    """As `compare --family --out` wrote it before runs of families could be reopened."""
-    (copy / "run.json").unlink()
-    with pytest.raises(bc.InputError, match=r"holds no run\.json.*make it again"):
-        bc.open_run(copy)
-
-
 def test_a_run_can_be_defended_later(families_run: Path) -> None:
     found = bc.open_run(families_run, defend=True)
     assert found.defence.groups == 9
@@ -325,41 +200,3 @@ def test_bad_requests(
     assert words in done.err
     assert done.err.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
-
-
-def test_what_a_fit_prints_stands_in_its_document(tmp_path: Path) -> None:
-    """Coefficients at the stated position, closed form: each row's digits are the JSON's."""
-    made = tmp_path / "made.json"
-    orders = ("--order-r", "2", "--order-c", "1")
-    done = here("fit", "--family", "separable", *orders, "--json", made)
-    assert (done.code, done.err) == (0, "")
-    document: dict[str, Any] = json.loads(made.read_text(encoding="utf-8"))
-    jsonschema.validate(document, schema("families"))
-    (model,) = document["families"]["models"]
-    assert model["elpd_reliable"] is True
-    lines = [line for line in done.out.splitlines() if " to " in line and line[1] != " "]
-    rows = [line.split() for line in lines]
-    printed = {row[0]: row for row in rows}
-    assert list(printed) == [p["name"] for p in model["closed_form"]]
-    for p in model["closed_form"]:
-        assert p["axis"] == ("c" if p["name"].startswith("beta") else p["name"][-1]) or (
-            p["axis"] == "r" and p["name"].startswith("alpha")
-        )
-        mean, sd, *_, low, _, high = (
-            word for word in printed[p["name"]][1:] if word[-1].isdigit() or word == "to"
-        )
-        said = (p["mean"], p["sd"], *p["interval"])
-        for shown, value in zip((mean, sd, low, high), said, strict=True):
-            digits = len(shown.partition(".")[2])
-            assert float(shown) == pytest.approx(value, abs=0.5000001 * 10**-digits)
-
-
-def test_draws_of_another_density_are_refused(copy: Path) -> None:
-    """Hashes forged: the density at a few draws is not the one that was kept of them."""
-    path = copy / "draws" / "pinhole-0-free.nc"
-    draws = parse_netcdf(path.read_bytes())
-    draws.groups["sample_stats"]["lp"] = draws.groups["sample_stats"]["lp"] + 0.01
-    write_netcdf(path, draws)
-    forge(copy, f"draws/{path.name}")
-    with pytest.raises(bc.InputError, match=r"pinhole-0-free\.nc: the density of its draws is not"):
-        bc.open_run(copy)
