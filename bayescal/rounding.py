@@ -58,3 +58,13 @@ def grouped(number: int) -> str:
 def counted(number: int, noun: str) -> str:
     """Write a number of things, such as ``"1 point"`` and ``"2 points"``."""
     return f"{grouped(number)} {noun}" if number == 1 else f"{grouped(number)} {noun}s"
+
+
+def percent(probability: float) -> str:
+    """Write a probability in per cent, with the digits that matter near 0 and 1."""
+    value = 100 * probability
+    if value > 99.95:
+        return ">99.9%"
+    if value < 0.05:
+        return "<0.1%"
+    return f"{value:.1f}%" if value < 10 or value > 90 else f"{value:.0f}%"

@@ -9,8 +9,8 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.results import Comparison
-from bayescal.comparison.verdict import percent
 from bayescal.markup import bullets, paragraph, table
+from bayescal.rounding import percent
 
 NASTY = "<script>alert('1')</script> & \"quoted\""
 

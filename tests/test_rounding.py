@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from bayescal.rounding import counted, decimals_for, rounded, significant
+from bayescal.rounding import counted, decimals_for, percent, rounded, significant
 
 UNCERTAINTIES = st.floats(min_value=1e-7, max_value=9e6)
 VALUES = st.floats(min_value=-1e9, max_value=1e9)
@@ -130,3 +130,11 @@ def test_no_minus_sign_on_zero(uncertainty: float) -> None:
 
 def test_one_thing_is_singular() -> None:
     assert [counted(n, "point") for n in range(3)] == ["0 points", "1 point", "2 points"]
+
+
+@pytest.mark.parametrize(
+    ("probability", "text"),
+    [(1.0, ">99.9%"), (0.9994, "99.9%"), (0.5, "50%"), (0.095, "9.5%"), (0.0001, "<0.1%")],
+)
+def test_percentages_keep_the_digits_that_matter(probability, text):
+    assert percent(probability) == text

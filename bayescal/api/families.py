@@ -11,7 +11,8 @@ from bayescal.api.options import Options, spelled_out
 from bayescal.cameras.pinhole import Radial
 from bayescal.comparison.analysis import Progress
 from bayescal.comparison.families.analysis import compare_joint
-from bayescal.comparison.families.results import FamilyComparison, FamilyRequest
+from bayescal.comparison.families.request import FamilyRequest
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
 
 RADIAL_ORDERS = (0, 1, 2, 3)

@@ -23,10 +23,10 @@ from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.orders.candidates import order_of
 from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.orders.sufficiency import sufficiency
+from bayescal.comparison.orders.verdict import AxisVerdict, verdict_on
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.comparison.settings import Settings, prior_rule
 from bayescal.comparison.store import Store
-from bayescal.comparison.verdict import AxisVerdict, verdict_on
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.points.correspondences import Correspondences

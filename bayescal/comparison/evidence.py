@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
+from typing import TypeVar
 
 # Kass & Raftery 1995, J. Am. Stat. Assoc. 90, 777: 2 ln B up to each bound.
 _SCALE = (
@@ -13,6 +14,7 @@ _SCALE = (
     (math.inf, "very strong"),
 )
 PLAUSIBLE = 0.95
+Name = TypeVar("Name", bound=Hashable)
 
 
 def probabilities(log_evidence: Sequence[float]) -> list[float]:
@@ -34,13 +36,13 @@ def strength(log_bayes_factor: float) -> str:
     return next(words for bound, words in _SCALE if 2 * log_bayes_factor <= bound)
 
 
-def plausible_set(probability: Mapping[int, float]) -> tuple[int, ...]:
-    """Smallest set of orders, by falling probability, that reaches 0.95."""
-    chosen: list[int] = []
+def plausible_set(probability: Mapping[Name, float]) -> tuple[Name, ...]:
+    """Smallest set, by falling probability, that reaches 0.95; of equals the first come first."""
+    chosen: list[Name] = []
     total = 0.0
-    for order in sorted(probability, key=lambda k: (-probability[k], k)):
-        chosen.append(order)
-        total += probability[order]
+    for name in sorted(probability, key=lambda name: -probability[name]):
+        chosen.append(name)
+        total += probability[name]
         if total >= PLAUSIBLE:
             break
     return tuple(chosen)

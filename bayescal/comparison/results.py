@@ -11,7 +11,7 @@ from bayescal.comparison.criteria.goodness import ReferenceSigma
 from bayescal.comparison.findings.surroundings import another_model
 from bayescal.comparison.orders.averaging import AveragedPrediction
 from bayescal.comparison.orders.result import OrderResult as OrderResult
-from bayescal.comparison.verdict import AxisVerdict, percent
+from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.markup import bullets, table
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.level import NoiseLevel
@@ -19,7 +19,7 @@ from bayescal.noise.model import NoiseModel
 from bayescal.points.correspondences import Correspondences
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
-from bayescal.rounding import plain, significant
+from bayescal.rounding import percent, plain, significant
 
 if TYPE_CHECKING:  # a plain comparison does not pay for the defence
     import pandas as pd

@@ -1,251 +1,129 @@
-"""The verdict of one axis: the most probable order, how strong, which others stay."""
+"""What every verdict has: a headline, what stands against it, and the word "decided" or not."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
-from bayescal.comparison.conclusion import Verdict
-from bayescal.comparison.criteria.information import Criteria
-from bayescal.comparison.evidence import plausible_set, strength
 from bayescal.comparison.findings.finding import Finding, ordered
-from bayescal.comparison.orders.result import OrderResult
-from bayescal.comparison.orders.sufficiency import Sufficiency
-from bayescal.noise.gaussian import GAUSSIAN
-from bayescal.rounding import significant
+from bayescal.markup import bullets, paragraph
+from bayescal.rounding import counted, percent
+
+DECIDED = "decided at 95%"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class AxisVerdict(Verdict):
-    """What to conclude on one axis.
+class Verdict(ABC):
+    """What to conclude of candidates, what stands against it, and how that is said.
 
     Attributes
     ----------
-    order : int or None
-        The most probable order; None under a flat prior.
-    plausible : tuple of int
-        Smallest set of orders, by falling probability, that reaches 0.95.
+    compared : int
+        Number of candidates.
+    plausible : tuple
+        Smallest set of candidates, by falling probability, that reaches 0.95.
     chances : tuple of float
-        Probabilities of the plausible orders.
-    log_bayes_factor_to_next : float or None
-        ln B against the runner-up; None where one order was compared.
-    strength : str or None
-        Its strength in words (Kass & Raftery 1995).
-    aicc_order, bic_order : int or None
-        The orders that AICc (AIC where AICc is not defined) and BIC prefer.
-    aic_name : str
-        Which of the two it is, ``"AICc"`` or ``"AIC"``.
-    findings, sentences : tuple
-        As of `Verdict`.
-    enough : Sufficiency or None
-        How far the other plausible orders lie from the recommended one.
+        Probabilities of the plausible candidates.
+    findings : tuple of Finding
+        What stands against the verdict or limits it, the gravest first.
+    sentences : tuple of str
+        What follows the headline.
     """
 
-    order: int | None
-    plausible: tuple[int, ...]
-    log_bayes_factor_to_next: float | None
-    strength: str | None
-    aicc_order: int | None
-    bic_order: int | None
-    enough: Sufficiency | None = None
-    aic_name: str = "AICc"
+    noun: ClassVar[str] = "one"  # what a candidate is called
+
+    compared: int
+    plausible: tuple[Any, ...]
+    chances: tuple[float, ...]
+    findings: tuple[Finding, ...]
+    sentences: tuple[str, ...]
 
     @property
-    def outcome(self) -> str | None:
-        """Decided, suffices, undecided or, where withheld, best compared; None without evidence."""
-        if self.order is None:
-            return None
-        if self.withheld:
-            return "best compared"
-        if self.decided:
-            return "decided"
-        return "suffices" if self.enough is not None and self.enough.enough else "undecided"
-
-    @property
+    @abstractmethod
     def recommended(self) -> str:
-        """Name the recommended order."""
-        return "no order" if self.order is None else f"order {self.order}"
+        """Name what is recommended."""
+
+    @property
+    def subject(self) -> str:
+        """What is recommended, as a sentence begins with it."""
+        return self.recommended[0].upper() + self.recommended[1:]
+
+    @property
+    def others(self) -> str:
+        """The other plausible candidates with their probabilities; empty where there are none."""
+        named = zip(self.plausible[1:], self.chances[1:], strict=True)
+        return ", ".join(f"{name} ({percent(chance)})" for name, chance in named)
 
     @property
     def standing(self) -> str:
-        """How the recommended order stands, in a few words: what the headline says, shorter."""
-        if self.order is None:
-            return "a flat prior has no evidence"
-        chance = f"{percent(self.chances[0])} probable"
-        if self.log_bayes_factor_to_next is None:
+        """How what is recommended stands, in a few words: what the headline says, shorter."""
+        if self.compared == 1:
             return "; ".join(("the only one compared", *self.withheld[:1]))
+        chance = f"{percent(self.chances[0])} probable"
         if self.withheld:
             return f"{chance} among those compared; not decided: {self.withheld[0]}"
-        if self.decided:
-            return f"{chance}; decided at 95%"
-        others = ", ".join(str(k) for k in self.plausible[1:])
-        noun = "orders" if len(self.plausible) > 2 else "order"
-        if self.outcome == "suffices" and self.enough is not None:
-            within = f"{significant(self.enough.largest)} {self.enough.unit}".strip()
-            return f"{chance}; suffices: {noun} {others} within {within}"
-        return f"{chance}; {noun} {others} not excluded"
+        return f"{chance}; {self._open_briefly() if self.others else DECIDED}"
 
     @property
     def headline(self) -> str:
-        """The outcome in a sentence: decided, suffices, undecided, or the best compared."""
-        return _headline(self)
+        """The outcome in a sentence."""
+        withheld = _listed(self.withheld)
+        if self.compared == 1:
+            only = f"{self.subject} is the only {self.noun} compared"
+            return f"{only}, and {withheld}." if withheld else f"{only}."
+        open_ = f"{self.others} can't be excluded at 95%" if self.others else ""
+        chance = percent(self.chances[0])
+        if withheld:
+            why = ", and ".join(filter(None, (open_, withheld)))
+            return f"{self.subject} is the best of those compared, {chance}; not decided: {why}."
+        lead = f"{self.subject} is the most probable, {chance}"
+        return f"{self._open(lead, open_)}." if open_ else f"{lead}; {DECIDED}."
+
+    def _open_briefly(self) -> str:
+        """Say in a few words how matters stand where others are plausible."""
+        return f"{counted(len(self.plausible) - 1, 'other')} not excluded"
+
+    def _open(self, lead: str, open_: str) -> str:
+        """Say how matters stand where others are plausible, which `open_` says."""
+        return f"{lead}; not decided: {open_}"
+
+    @property
+    def withheld(self) -> tuple[str, ...]:
+        """Why nothing can be called decided, in a few words each."""
+        return tuple(dict.fromkeys(f.because for f in self.findings if f.withholds))
+
+    @property
+    def decided(self) -> bool:
+        """Whether one candidate alone is plausible, and nothing stands against the comparison."""
+        return len(self.plausible) == 1 and not self.withheld
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """The findings' sentences, the gravest first."""
+        return tuple(f.text for f in self.findings)
+
+    @property
+    def text(self) -> str:
+        """One paragraph: the headline, then what supports it."""
+        return " ".join((self.headline, *self.sentences))
+
+    def with_findings(self, more: Iterable[Finding], *sentences: str) -> Self:
+        """Give the verdict with more findings, and more sentences behind it."""
+        found = ordered((*self.findings, *more))
+        said = (*self.sentences, *(s for s in sentences if s))
+        return replace(self, findings=found, sentences=said)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.text}>"
+
+    def _repr_html_(self) -> str:
+        """Show the verdict in a notebook."""
+        return paragraph(self.text) + bullets("Caveats", self.caveats)
 
 
-def verdict_on(
-    results: Sequence[OrderResult],
-    findings: Sequence[Finding],
-    enough: Callable[[tuple[int, ...]], Sufficiency | None] = lambda _: None,
-) -> AxisVerdict:
-    """Form the verdict of one axis from its orders, judged.
-
-    Parameters
-    ----------
-    findings : sequence of Finding
-        What limits it.
-    enough : callable, optional
-        From the plausible orders to how far they lie from the first.
-    """
-    evidence = {r.order: r.log_evidence for r in results if r.log_evidence is not None}
-    chances = {r.order: r.probability for r in results if r.probability is not None}
-    known = {r.order: r.criteria for r in results if r.key.noise == GAUSSIAN.name}
-    verdict = judge(chances or None, evidence or None, known, findings)
-    return replace(verdict, enough=enough(verdict.plausible)) if len(results) > 1 else verdict
-
-
-def judge(
-    probability: Mapping[int, float] | None,
-    log_evidence: Mapping[int, float] | None,
-    criteria: Mapping[int, Criteria],
-    findings: Sequence[Finding],
-) -> AxisVerdict:
-    """Form the verdict of one axis.
-
-    Parameters
-    ----------
-    probability, log_evidence : mapping of int to float or None
-        By order; None under a flat prior.
-    criteria : mapping of int to Criteria
-        By order; empty where there are none, the noise not being Gaussian.
-    findings : sequence of Finding
-        What the comparison can't vouch for.
-    """
-    aic_name, aicc_order = _preferred_aic(criteria)
-    bic_order = _smallest({k: c.bic for k, c in criteria.items()})
-    by_criteria = _criteria_words(aic_name, aicc_order, bic_order)
-    found = ordered(findings)
-    if probability is None or log_evidence is None:
-        return AxisVerdict(
-            order=None,
-            plausible=(),
-            chances=(),
-            log_bayes_factor_to_next=None,
-            strength=None,
-            aicc_order=aicc_order,
-            bic_order=bic_order,
-            findings=found,
-            sentences=(by_criteria,),
-            aic_name=aic_name,
-        )
-    order = max(probability, key=lambda k: (probability[k], -k))
-    plausible = plausible_set(probability)
-    rest = {k: z for k, z in log_evidence.items() if k != order}
-    log_factor = log_evidence[order] - max(rest.values()) if rest else None
-    words = strength(log_factor) if log_factor is not None else None
-    sentences = []
-    if log_factor is not None:
-        runner_up = max(rest, key=lambda k: probability[k])
-        sentences.append(
-            f"Evidence against the runner-up, order {runner_up}: 2 ln B = {2 * log_factor:.1f}, "
-            f"{words} (Kass & Raftery)."
-        )
-    if len(criteria) > 1:
-        agree = aicc_order == bic_order == order
-        sentences.append(f"{aic_name} and BIC agree." if agree else by_criteria)
-    return AxisVerdict(
-        order=order,
-        plausible=plausible,
-        chances=tuple(probability[k] for k in plausible),
-        log_bayes_factor_to_next=log_factor,
-        strength=words,
-        aicc_order=aicc_order,
-        bic_order=bic_order,
-        findings=found,
-        sentences=tuple(sentences),
-        aic_name=aic_name,
-    )
-
-
-def _headline(verdict: AxisVerdict) -> str:
-    """Say the outcome in a sentence: decided, suffices, undecided, or the best compared."""
-    order = verdict.order
-    if order is None:
-        return "No order is recommended: a flat prior has no evidence."
-    withheld = listed_words(verdict.withheld)
-    if verdict.log_bayes_factor_to_next is None:
-        only = f"Order {order} is the only one compared"
-        return f"{only}, and {withheld}." if withheld else f"{only}."
-    others = [
-        f"{k} ({percent(p)})"
-        for k, p in zip(verdict.plausible[1:], verdict.chances[1:], strict=True)
-    ]
-    noun = "orders" if len(others) > 1 else "order"
-    listed, own = f"{noun} {', '.join(others)}", percent(verdict.chances[0])
-    if withheld:
-        rest = f"{listed} can't be excluded at 95%, and " if others else ""
-        return f"Order {order} is the best of those compared, {own}; not decided: {rest}{withheld}."
-    if not others:
-        return f"Order {order} is the most probable, {own}; decided at 95%."
-    opening, enough = f"Order {order} is the most probable, {own}", verdict.enough
-    if enough is None:
-        return f"{opening}; not decided: {listed} can't be excluded at 95%."
-    largest = f"{significant(enough.largest)} {enough.unit}".strip()
-    whose = "as stated" if enough.stated else "a quarter of the noise"
-    limit = f"{significant(enough.tolerance)} {enough.unit}".strip() + f" ({whose})"
-    if enough.enough:
-        return (
-            f"{opening}, and suffices: {listed} can't be excluded at 95%, but "
-            f"{'differ' if len(others) > 1 else 'differs'} from it by at most {largest} anywhere "
-            f"(95%), within the tolerance of {limit}."
-        )
-    return (
-        f"{opening}; undecided, and it matters: {listed} can't be excluded at 95%, and may differ "
-        f"from it by {largest} somewhere (95%), above the tolerance of {limit}."
-    )
-
-
-def listed_words(parts: Sequence[str]) -> str:
+def _listed(parts: Sequence[str]) -> str:
     """Join clauses with commas, the last with "and"."""
     *some, last = parts or ("",)
     return f"{', '.join(some)}, and {last}" if some else last
-
-
-def percent(probability: float) -> str:
-    """Probability in per cent with the digits that matter near 0 and 1."""
-    value = 100 * probability
-    if value > 99.95:
-        return ">99.9%"
-    if value < 0.05:
-        return "<0.1%"
-    return f"{value:.1f}%" if value < 10 or value > 90 else f"{value:.0f}%"
-
-
-def _preferred_aic(criteria: Mapping[int, Criteria]) -> tuple[str, int | None]:
-    """Find the order AICc prefers, or AIC where AICc is not defined for every order."""
-    if all(c.aicc is not None for c in criteria.values()):
-        return "AICc", _smallest({k: c.aicc for k, c in criteria.items()})
-    return "AIC", _smallest({k: c.aic for k, c in criteria.items()})
-
-
-def _smallest(values: Mapping[int, float | None]) -> int | None:
-    known = {k: v for k, v in values.items() if v is not None}
-    if not known or len(known) < len(values):  # an exact fit: nothing to weigh
-        return None
-    return min(known, key=lambda k: (known[k], k))
-
-
-def _criteria_words(aic_name: str, aic_order: int | None, bic_order: int | None) -> str:
-    if aic_order is None or bic_order is None:
-        return "AIC and BIC are unavailable: an order fits exactly."
-    if aic_order == bic_order:
-        return f"{aic_name} and BIC prefer order {aic_order}."
-    return f"{aic_name} prefers order {aic_order}, BIC order {bic_order}."

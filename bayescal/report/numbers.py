@@ -14,7 +14,7 @@ from bayescal.comparison.orders.weak import correlation
 from bayescal.comparison.results import OrderResult
 
 if TYPE_CHECKING:  # Gaussian noise on one axis does not pay for what it does not need
-    from bayescal.comparison.families.results import JointModel
+    from bayescal.comparison.families.result import JointModel
     from bayescal.inference.sampled_posterior import SampledPosterior
 
 

@@ -20,7 +20,7 @@ def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixtur
     options += ["--report", str(page)]
     assert main(["calibrate", *options]) == 0
     shown = capsys.readouterr().out
-    assert "Verdict: These views support radial 2, >99.9%: decided at 95%." in shown
+    assert "Verdict: radial 2 is the most probable, >99.9%; decided at 95%." in shown
     assert max(map(len, shown.splitlines())) <= 100
     document = json.loads(place.read_text())
     assert document["schema"] == "bayescal.lenses/1"
@@ -28,7 +28,7 @@ def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert document["lenses"][0]["rms_px"] == pytest.approx(0.18, abs=0.03)
     assert document["verdict"]["status"] == "decided"
     text = page.read_text(encoding="utf-8")
-    assert "These views support radial 2" in text
+    assert "radial 2 is the most probable" in text
     for figure in ("evidence", "vectors", "uncertainty"):
         assert f'id="figure-{figure}"' in text
     assert "http" not in text.replace("http://www.w3.org", "")  # nothing from outside

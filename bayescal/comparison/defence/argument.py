@@ -9,8 +9,8 @@ from bayescal.comparison.defence.results import Defence, Prediction
 from bayescal.comparison.defence.stability import Beyond, Removal
 from bayescal.comparison.findings.beyond_range import beyond_range
 from bayescal.comparison.findings.finding import limits
-from bayescal.comparison.verdict import AxisVerdict, percent
-from bayescal.rounding import counted, significant
+from bayescal.comparison.orders.verdict import AxisVerdict
+from bayescal.rounding import counted, percent, significant
 
 # Leave-one-out contradicts the verdict where its best is ahead by more than both.
 CLEAR_ELPD = 4.0

@@ -34,9 +34,9 @@ from bayescal.comparison.defence.stability import (
 from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.orders.candidates import RobustOrder
 from bayescal.comparison.orders.result import OrderResult
+from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
-from bayescal.comparison.verdict import AxisVerdict
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.noise.model import NoiseModel
 from bayescal.points.groups import Groups

@@ -10,9 +10,9 @@ from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.judged import Weighed
 from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.orders.candidates import order_of
+from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
-from bayescal.comparison.verdict import AxisVerdict
 from bayescal.noise.choice import NOISE_MODELS, NOISE_WORDS, NoiseChoice
 from bayescal.noise.model import NoiseModel
 from bayescal.polynomials.axis_data import AxisData

@@ -10,23 +10,18 @@ from typing import Any, TypeAlias
 from threadpoolctl import threadpool_limits
 
 from bayescal.comparison.adequacy.outcome import AdequacyTest
+from bayescal.comparison.families.candidates.free import free_pairs
+from bayescal.comparison.families.candidates.pinholes import pinholes
+from bayescal.comparison.families.candidates.stated import stated_pairs
 from bayescal.comparison.families.caveats import family_findings
 from bayescal.comparison.families.defence import defence_words, defend
-from bayescal.comparison.families.free import free_pairs
 from bayescal.comparison.families.further import Listing, beyond_compared
 from bayescal.comparison.families.models import LINEAR, Wanted, linear_axes, noise_levels
-from bayescal.comparison.families.pinholes import pinholes
+from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.residuals import residual_tests
-from bayescal.comparison.families.results import (
-    FamilyComparison,
-    FamilyDefence,
-    FamilyRequest,
-    FamilyVerdict,
-    GroupedErrors,
-    JointModel,
-)
-from bayescal.comparison.families.stated import stated_pairs
-from bayescal.comparison.families.verdict import judge_families
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison, FamilyDefence, GroupedErrors
+from bayescal.comparison.families.verdict import FamilyVerdict, judge_families
 from bayescal.comparison.judging import Candidate, judge_all
 from bayescal.comparison.key import FAMILIES, FREE, PINHOLE, STATED, Key
 from bayescal.comparison.orders.axis import Axis

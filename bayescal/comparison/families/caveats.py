@@ -10,7 +10,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy.outcome import AdequacyTest
 from bayescal.comparison.criteria.leave_one_out import paired_difference
-from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.findings.bounds import PILE
 from bayescal.comparison.findings.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import GRAVE, concerning

@@ -11,8 +11,9 @@ from functools import partial
 from bayescal.arrays import Array
 from bayescal.comparison.defence.argument import removal_words
 from bayescal.comparison.defence.stability import Removal, removals
-from bayescal.comparison.families.joint import Gaussian
-from bayescal.comparison.families.results import FamilyDefence, JointModel
+from bayescal.comparison.families.candidates.joint import Gaussian
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyDefence
 from bayescal.comparison.key import Key
 from bayescal.comparison.store import Store
 from bayescal.points.correspondences import Correspondences

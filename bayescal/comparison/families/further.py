@@ -6,8 +6,8 @@ import contextlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from bayescal.comparison.families.joint import Gaussian
-from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.families.candidates.joint import Gaussian
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.findings.finding import Finding, overturns
 from bayescal.comparison.key import PINHOLE
 from bayescal.errors import InputError

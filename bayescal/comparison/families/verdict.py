@@ -3,15 +3,55 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 from scipy.special import logsumexp
 
-from bayescal.comparison.evidence import PLAUSIBLE, strength
-from bayescal.comparison.families.results import FamilyVerdict, JointModel
+from bayescal.comparison.evidence import plausible_set, strength
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.findings.finding import Finding, ordered
 from bayescal.comparison.judged import log_weights
 from bayescal.comparison.key import FREE, Key
-from bayescal.comparison.verdict import percent
+from bayescal.comparison.verdict import Verdict
+from bayescal.rounding import percent
+
+NAMED = 4  # plausible models named beside the most probable one
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FamilyVerdict(Verdict):
+    """What to conclude of family, order and position together.
+
+    Attributes
+    ----------
+    plausible : tuple of Key
+        Smallest set, by falling probability, that reaches 0.95.
+    families, positions : dict of str to float
+        Probability of each family and of each treatment of the position.
+    log_bayes_factor : float or None
+        ln B of the best model against the best of any other family.
+    """
+
+    noun: ClassVar[str] = "model"
+
+    best: Key
+    plausible: tuple[Key, ...]
+    families: dict[str, float]
+    positions: dict[str, float]
+    log_bayes_factor: float | None
+
+    @property
+    def recommended(self) -> str:
+        """Name the most probable model."""
+        return str(self.best)
+
+    @property
+    def others(self) -> str:
+        """The most probable of the other plausible models, and how many more there are."""
+        named = list(zip(self.plausible, self.chances, strict=True))[1:]
+        more = f" and {len(named) - NAMED} more" if len(named) > NAMED else ""
+        return "; ".join(f"{key} ({percent(chance)})" for key, chance in named[:NAMED]) + more
 
 
 def _between_families(models: Sequence[JointModel], families: dict[str, float]) -> str:
@@ -39,13 +79,7 @@ def _between_families(models: Sequence[JointModel], families: dict[str, float]) 
 def judge_families(models: Sequence[JointModel], findings: Sequence[Finding]) -> FamilyVerdict:
     """Form the verdict across families, from models of which the most probable is the first."""
     best, chances = models[0], [m.probability or 0.0 for m in models]
-    plausible: list[Key] = []
-    total = 0.0
-    for model, chance in zip(models, chances, strict=True):
-        plausible.append(model.key)
-        total += chance
-        if total >= PLAUSIBLE:
-            break
+    plausible = plausible_set({m.key: p for m, p in zip(models, chances, strict=True)})
     families, positions = (_shares(models, chances, key) for key in ("family", "position"))
     others = [m for m in models if m.key.family != best.key.family]
     factor = None
@@ -63,7 +97,7 @@ def judge_families(models: Sequence[JointModel], findings: Sequence[Finding]) ->
     return FamilyVerdict(
         best=best.key,
         compared=len(models),
-        plausible=tuple(plausible),
+        plausible=plausible,
         chances=tuple(chances[: len(plausible)]),
         families=families,
         positions=positions,

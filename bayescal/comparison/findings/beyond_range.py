@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from bayescal.comparison.defence.stability import Beyond
 from bayescal.comparison.evidence import PLAUSIBLE
 from bayescal.comparison.findings.finding import Finding, overturns
-from bayescal.comparison.verdict import percent
+from bayescal.rounding import percent
 
 
 def beyond_range(found: Beyond, *, at_edge: bool) -> Iterator[Finding]:

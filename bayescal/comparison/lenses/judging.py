@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from bayescal.comparison.evidence import PLAUSIBLE, strength
+from bayescal.comparison.evidence import plausible_set, strength
 from bayescal.comparison.findings.finding import Finding, ordered
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.comparison.lenses.verdict import TOLERANCE, LensVerdict
@@ -43,14 +43,8 @@ def judge_lenses(lenses: Sequence[JudgedLens], findings: Sequence[Finding]) -> L
 
 def plausible_others(lenses: Sequence[JudgedLens]) -> list[JudgedLens]:
     """Lenses beside the most probable one, which is the first, that can't be excluded at 95 %."""
-    others: list[JudgedLens] = []
-    total = lenses[0].probability
-    for judged in lenses[1:]:
-        if total >= PLAUSIBLE:
-            break
-        others.append(judged)
-        total += judged.probability
-    return others
+    plausible = plausible_set({j.name: j.probability for j in lenses})
+    return [j for j in lenses[1:] if j.name in plausible]
 
 
 def widest(gaps: Sequence[float | None]) -> float | None:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-from bayescal.comparison.conclusion import Verdict
-from bayescal.comparison.standing import standing_among
-from bayescal.comparison.verdict import listed_words, percent
+from bayescal.comparison.verdict import Verdict
 from bayescal.rounding import significant
 
 TOLERANCE = 0.1  # px: lenses that differ by less are alike for nearly any use
@@ -20,8 +19,6 @@ class LensVerdict(Verdict):
     ----------
     best : str
         Name of the most probable lens.
-    compared : int
-        Number of lenses.
     plausible : tuple of str
         Smallest set of lenses, by falling probability, that reaches 0.95.
     simplest : str
@@ -32,8 +29,9 @@ class LensVerdict(Verdict):
         can't be compared.
     """
 
+    noun: ClassVar[str] = "lens"
+
     best: str
-    compared: int
     plausible: tuple[str, ...]
     simplest: str
     worth: float | None
@@ -66,32 +64,14 @@ class LensVerdict(Verdict):
         return self.best
 
     @property
-    def standing(self) -> str:
-        """How the most probable lens stands, in a few words."""
-        return standing_among(self, self.compared)
+    def subject(self) -> str:
+        """The most probable lens, written as it is named."""
+        return self.best
 
-    @property
-    def headline(self) -> str:
-        """The outcome in a sentence."""
-        withheld = listed_words(self.withheld)
-        if self.compared == 1:
-            only = f"{self.best} is the only lens compared"
-            return f"{only}, and {withheld}." if withheld else f"{only}."
-        own, names = percent(self.chances[0]), self._others
-        if withheld:
-            why = f"{names} can't be excluded at 95%, and {withheld}" if names else withheld
-            return f"{self.best} is the best of those compared, {own}; not decided: {why}."
-        if not names:
-            return f"These views support {self.best}, {own}: decided at 95%."
-        lead = f"{self.best} is the most probable, {own}; {names} can't be excluded at 95%"
+    def _open(self, lead: str, open_: str) -> str:
         if self.enough:
-            return f"{lead}, but {self._apart}: {self.simplest} suffices there."
-        return f"Undecided, and it matters: {lead}, and {self._apart}."
-
-    @property
-    def _others(self) -> str:
-        named = zip(self.plausible[1:], self.chances[1:], strict=True)
-        return ", ".join(f"{name} ({percent(chance)})" for name, chance in named)
+            return f"{lead}; {open_}, but {self._apart}: {self.simplest} suffices there"
+        return f"{lead}; undecided, and it matters: {open_}, and {self._apart}"
 
     @property
     def _apart(self) -> str:

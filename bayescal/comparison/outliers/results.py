@@ -16,7 +16,6 @@ from bayescal.comparison.findings.finding import Finding
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.outliers.records import Elimination, PointRecord
 from bayescal.comparison.outliers.shared_errors import SharedError
-from bayescal.comparison.verdict import percent
 from bayescal.noise.choice import NOISE_WORDS
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.outlier_mixture import OutlierMixture
@@ -24,7 +23,7 @@ from bayescal.noise.student_t import StudentT
 from bayescal.points.correspondences import Correspondences
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
-from bayescal.rounding import rounded, significant
+from bayescal.rounding import percent, rounded, significant
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -10,7 +10,8 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.cameras.pose import rotation_vectors
-from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.pinholes.pinhole import PinholeModel

@@ -7,12 +7,9 @@ from dataclasses import asdict
 from typing import Any
 
 from bayescal.comparison.families.exact_parameters import exact_parameters
-from bayescal.comparison.families.results import (
-    FamilyComparison,
-    FamilyDefence,
-    FamilyRequest,
-    JointModel,
-)
+from bayescal.comparison.families.request import FamilyRequest
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison, FamilyDefence
 from bayescal.comparison.orders.weak import weak_combinations
 from bayescal.comparison.settings import Settings
 from bayescal.inference.sampled_posterior import SampledPosterior

@@ -8,7 +8,8 @@ from typing import Any
 
 from bayescal.comparison.convert import kept_groups
 from bayescal.comparison.families.analysis import compare_joint
-from bayescal.comparison.families.results import FamilyComparison, FamilyRequest
+from bayescal.comparison.families.request import FamilyRequest
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.settings import Settings
 from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.stored import packed

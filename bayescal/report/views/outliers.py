@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from bayescal.comparison.outliers.records import PointRecord
 from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
-from bayescal.comparison.verdict import percent
 from bayescal.report.blocks import (
     Answer,
     Answers,
@@ -22,7 +21,7 @@ from bayescal.report.blocks import (
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.report.views.views import Views
 from bayescal.report.views.words import MARK, floor_words, prior_words, shape_words
-from bayescal.rounding import counted
+from bayescal.rounding import counted, percent
 
 # Points shown of each axis beside the suspicious ones, unless all are asked for.
 SHOWN = 8

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from bayescal.comparison.conclusion import Verdict
 from bayescal.comparison.findings.advice import next_step
 from bayescal.comparison.findings.finding import ordered
-from bayescal.comparison.verdict import percent
+from bayescal.comparison.verdict import Verdict
 from bayescal.report.blocks import Listing, Part
+from bayescal.rounding import percent
 
 ENOUGH = "nothing: use it"
 

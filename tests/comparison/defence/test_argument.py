@@ -15,8 +15,8 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.verdict import percent
 from bayescal.points.setup import StatedPrior
+from bayescal.rounding import percent
 from tests.helpers.cases import (
     all_but,
     camera_points,

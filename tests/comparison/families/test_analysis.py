@@ -10,7 +10,7 @@ from scipy.stats import chi2 as chi2_distribution
 import bayescal as bc
 from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.families.analysis import compare_joint
-from bayescal.comparison.families.results import FamilyRequest
+from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.errors import InputError

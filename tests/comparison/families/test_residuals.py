@@ -17,8 +17,8 @@ from bayescal.comparison.adequacy.surface import surface
 from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.linearised import of_pinhole
 from bayescal.comparison.families.models import gaussian_pinhole, noise_levels
+from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.residuals import residual_tests
-from bayescal.comparison.families.results import FamilyRequest
 from bayescal.comparison.settings import Settings
 from bayescal.noise.level import NoiseLevel
 from bayescal.points.groups import groups_of

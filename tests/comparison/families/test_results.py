@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bayescal.comparison.criteria.information import Criteria
-from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.verdict import judge_families
 from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.judged import with_probabilities

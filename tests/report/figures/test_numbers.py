@@ -13,7 +13,6 @@ from scipy.special import fdtrc
 
 import bayescal as bc
 from bayescal.comparison.adequacy.problem import Problem
-from bayescal.comparison.verdict import percent
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.least_squares import factorise, solve
 from bayescal.noise.level import NoiseLevel
@@ -22,6 +21,7 @@ from bayescal.report.figures.comparison.qq import envelope
 from bayescal.report.figures.registry import KINDS
 from bayescal.report.figures.style import BLUE, PALE, SKY
 from bayescal.report.figures.subject import amplitudes
+from bayescal.rounding import percent
 from tests.helpers.cases import camera_points
 from tests.helpers.problems import make_axis, make_model, thesis_axis
 

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.families import free, joint, models
+from bayescal.comparison.families import models
+from bayescal.comparison.families.candidates import free, joint
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.inference.arviz_bridge import parse_netcdf
 from bayescal.points.camera import StatedCamera

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from bayescal.comparison.findings.finding import limits, overturns
-from bayescal.comparison.verdict import AxisVerdict
+from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.report.views.remember import remembered
 
 
 def verdict(*findings, plausible=(2,), chances=(0.97,)):
     return AxisVerdict(
         order=2,
+        compared=3,
         plausible=plausible,
         chances=chances,
         log_bayes_factor_to_next=3.0,

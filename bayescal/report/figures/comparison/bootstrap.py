@@ -5,10 +5,10 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
 from bayescal.report.figures.style import BLUE, ORANGE, PALE, WIDTH, legend_of, one_panel
 from bayescal.report.figures.subject import Subject
+from bayescal.rounding import percent
 
 
 def draw(subject: Subject) -> Figure:

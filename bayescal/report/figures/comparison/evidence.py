@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from bayescal.comparison.defence.sensitivity import TauSensitivity, tau_sensitivity
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
 from bayescal.report.figures.style import (
     BLUE,
@@ -23,7 +22,7 @@ from bayescal.report.figures.style import (
     several_panels,
 )
 from bayescal.report.figures.subject import Subject
-from bayescal.rounding import significant
+from bayescal.rounding import percent, significant
 
 ROOM = 8.0  # nat shown below the winner's lowest
 

@@ -10,10 +10,10 @@ from matplotlib.patches import Rectangle
 from bayescal.arrays import Array
 from bayescal.comparison.defence.stability import joint_probabilities
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.verdict import percent
 from bayescal.errors import InputError
 from bayescal.report.figures.style import BLUE, VERMILLION, ink_on, one_panel
 from bayescal.report.figures.subject import Subject
+from bayescal.rounding import percent
 
 SHADES = LinearSegmentedColormap.from_list("probability", ["#ffffff", BLUE])
 LINES = "#b8c0c6"

@@ -8,9 +8,9 @@ from matplotlib.patches import Patch
 
 from bayescal.comparison.evidence import PLAUSIBLE
 from bayescal.comparison.results import AxisComparison
-from bayescal.comparison.verdict import percent
 from bayescal.report.figures.style import BLUE, PALE, SKY, WIDTH, several_panels
 from bayescal.report.figures.subject import Subject
+from bayescal.rounding import percent
 
 RECOMMENDED = "recommended"
 NOT_EXCLUDED = f"not excluded at {100 * PLAUSIBLE:.0f} %"

@@ -6,7 +6,8 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
-from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.errors import InputError
 from bayescal.report.figures.comparison.joint import LINES
 from bayescal.report.figures.parameters import parameter_symbol

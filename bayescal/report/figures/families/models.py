@@ -8,11 +8,12 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.key import FREE, PINHOLE, STATED
-from bayescal.comparison.verdict import percent
 from bayescal.report.figures.comparison.joint import LINES, SHADES
 from bayescal.report.figures.style import VERMILLION, WIDTH, ink_on, several_panels
+from bayescal.rounding import percent
 
 RANGE = 20.0  # nat below the highest at which cells are white
 ROW, ROOM = 0.3, 0.62  # inches: of a row of cells, of what stands around a panel

@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from scipy.stats import norm
 
 from bayescal.arrays import Array
-from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.key import FREE
 from bayescal.errors import InputError
 from bayescal.prior.camera import PositionPrior, position_prior

@@ -8,7 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bayescal.arrays import Array
-from bayescal.comparison.families.results import FamilyComparison, JointModel
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.report.figures.comparison.image import (
     arrow_scale,
     draw_arrows,

@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 
 from bayescal.comparison.outliers.records import BAD
 from bayescal.comparison.outliers.results import AxisOutliers
-from bayescal.comparison.verdict import percent
 from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH, several_panels
+from bayescal.rounding import percent
 
 NAMED = 12  # bad points with their labels; more would hide each other
 

@@ -6,16 +6,12 @@ from collections.abc import Iterable
 
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.families.exact_parameters import exact_parameters
-from bayescal.comparison.families.results import (
-    FamilyComparison,
-    GroupedErrors,
-    JointModel,
-)
-from bayescal.comparison.verdict import percent
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison, GroupedErrors
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.report.numbers import correlations
 from bayescal.report.table import Cell, Column, Table, number_cell
-from bayescal.rounding import rounded, significant
+from bayescal.rounding import percent, rounded, significant
 
 UNITS = {
     "focal": "px",

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from bayescal.comparison.families.defence import LEFT_OUT
-from bayescal.comparison.families.results import FamilyComparison, JointModel
-from bayescal.comparison.verdict import percent
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison
 from bayescal.report.blocks import (
     Answer,
     Answers,
@@ -45,7 +45,7 @@ from bayescal.report.views.orders.adequacy import adequacy_blocks
 from bayescal.report.views.remember import remembered
 from bayescal.report.views.views import Views
 from bayescal.report.views.words import told_below
-from bayescal.rounding import significant
+from bayescal.rounding import percent, significant
 
 UNSOUND = "some draws did not converge, or an evidence should not be trusted; see the caveats."
 CAPTIONS = {

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from bayescal.comparison.families.results import FamilyComparison, GroupedErrors, JointModel
+from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.families.results import FamilyComparison, GroupedErrors
 from bayescal.comparison.key import FREE, PINHOLE
 from bayescal.comparison.orders.weak import weak_lines
 from bayescal.inference.sampled_posterior import SampledPosterior

@@ -7,9 +7,8 @@ import numpy as np
 from bayescal.comparison.criteria.leave_one_out import paired_difference
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
-from bayescal.comparison.verdict import percent
 from bayescal.report.table import Cell, Column, Table, number_cell
-from bayescal.rounding import rounded, significant
+from bayescal.rounding import percent, rounded, significant
 
 SHOWN = 12  # lenses
 

@@ -8,9 +8,8 @@ from bayescal.calibration.error_model import ErrorModel
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.comparison.orders.weak import correlation, weak_lines
-from bayescal.comparison.verdict import percent
 from bayescal.report.views.lenses.tables import SHOWN
-from bayescal.rounding import counted, rounded, significant
+from bayescal.rounding import counted, percent, rounded, significant
 
 PRIORS = (
     "ln f about ln(width) sd 0.7, fy/fx sd 0.05, principal point sd 0.1 width about the middle; a "

@@ -7,13 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from bayescal.comparison.results import AxisComparison, OrderResult
-from bayescal.comparison.verdict import percent
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.world_errors import WorldErrors
 from bayescal.report.numbers import point_chances
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.words import MARK
-from bayescal.rounding import significant
+from bayescal.rounding import percent, significant
 
 # A point is shown as bad above this probability, and so many of them.
 BAD, SHOWN = 0.5, 4

@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.comparison.verdict import percent
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Block, Blocks, Figure, Part, Prose, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.views import Topic
 from bayescal.report.views.words import IN_NUMBERS
-from bayescal.rounding import significant
+from bayescal.rounding import percent, significant
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
     from bayescal.comparison.defence.results import Defence

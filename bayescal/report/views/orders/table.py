@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
-from bayescal.comparison.verdict import percent
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Blocks, Facts, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.orders.robust import robust_footnotes, robust_orders_table
 from bayescal.report.views.views import Topic
 from bayescal.report.views.words import noise_words, p_words, prior_words
-from bayescal.rounding import significant
+from bayescal.rounding import percent, significant
 
 
 def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:

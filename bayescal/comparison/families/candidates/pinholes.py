@@ -11,10 +11,11 @@ from scipy.special import logsumexp
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.criteria.psis import Without
-from bayescal.comparison.families.joint import Likelihood, judged_by
+from bayescal.comparison.families.candidates.joint import Likelihood, judged_by
 from bayescal.comparison.families.linearised import Linearised, of_pinhole
 from bayescal.comparison.families.models import gaussian_pinhole, robust_pinhole
-from bayescal.comparison.families.results import FamilyRequest, JointModel
+from bayescal.comparison.families.request import FamilyRequest
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.key import PINHOLE, Key
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store

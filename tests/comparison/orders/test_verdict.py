@@ -15,7 +15,7 @@ from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.evidence import plausible_set, probabilities, strength
 from bayescal.comparison.findings.finding import limits, overturns, wrong_model
 from bayescal.comparison.orders.sufficiency import Difference, Sufficiency
-from bayescal.comparison.verdict import judge, percent
+from bayescal.comparison.orders.verdict import judge
 
 log_evidences = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=20)
 
@@ -212,11 +212,3 @@ def test_an_exact_fit_leaves_no_preference_by_criteria():
     assert found.order == 2
     assert (found.aicc_order, found.bic_order) == (None, None)
     assert "fits exactly" in found.text
-
-
-@pytest.mark.parametrize(
-    ("probability", "text"),
-    [(1.0, ">99.9%"), (0.9994, "99.9%"), (0.5, "50%"), (0.095, "9.5%"), (0.0001, "<0.1%")],
-)
-def test_percentages_keep_the_digits_that_matter(probability, text):
-    assert percent(probability) == text

@@ -18,7 +18,7 @@ from bayescal.comparison.families.models import (
     joint_goodness,
     linear_residuals,
 )
-from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.key import Key
 from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.store import Store

@@ -16,7 +16,7 @@ from scipy.special import logsumexp
 
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.criteria.information import robust_criteria
-from bayescal.comparison.families.joint import Likelihood, LinearPair, judged_by
+from bayescal.comparison.families.candidates.joint import Likelihood, LinearPair, judged_by
 from bayescal.comparison.families.linearised import Linearised, of_pair
 from bayescal.comparison.families.models import (
     Wanted,
@@ -25,7 +25,7 @@ from bayescal.comparison.families.models import (
     joint_data,
     moving_axes,
 )
-from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.key import FREE, Key
 from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.orders.candidates import RobustOrder

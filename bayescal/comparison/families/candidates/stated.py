@@ -14,10 +14,10 @@ from bayescal.comparison.criteria.information import robust_criteria
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.criteria.psis import of_both, sampled_leave_one_out
 from bayescal.comparison.defence.stability import without_groups
-from bayescal.comparison.families.joint import Likelihood, LinearPair, result_of
+from bayescal.comparison.families.candidates.joint import Likelihood, LinearPair, result_of
 from bayescal.comparison.families.linearised import Linearised, of_pair
 from bayescal.comparison.families.models import Wanted, checked_axes, joint_data
-from bayescal.comparison.families.results import JointModel
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.key import Key
 from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.orders.candidates import GaussianOrder, RobustOrder

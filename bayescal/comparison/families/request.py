@@ -1,0 +1,45 @@
+"""What is asked for of joint models."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from bayescal.comparison.key import FREE, PINHOLE, STATED
+
+if TYPE_CHECKING:
+    from bayescal.cameras.pinhole import Radial
+
+
+@dataclass(frozen=True)
+class FamilyRequest:
+    """Which models of r and c are wanted.
+
+    Attributes
+    ----------
+    families : tuple of str
+        Of ``"separable"``, ``"bivariate"``, ``"pinhole"``.
+    orders : tuple of int
+        Polynomial degrees, ascending; every pair of them in the separable family.
+    positions : tuple of str or None
+        ``"stated"``, ``"free"`` or both; None: stated, and free for a pinhole, whose
+        position is part of its pose.
+    radial : str
+        Powers of the radius in the pinhole's distortion, ``"even"`` or ``"all"``.
+    radial_orders : tuple of int
+        Numbers of radial coefficients of the pinhole.
+    pairs : tuple of tuple of int, or None
+        The only pairs of orders, of r and c, to take in the separable family.
+    """
+
+    families: tuple[str, ...]
+    orders: tuple[int, ...]
+    positions: tuple[str, ...] | None = None
+    radial: Radial = "even"
+    radial_orders: tuple[int, ...] = (0,)
+    pairs: tuple[tuple[int, int], ...] | None = None
+
+    def positions_of(self, family: str) -> tuple[str, ...]:
+        """Treatments of the position wanted of a family."""
+        default = FREE if family == PINHOLE else STATED
+        return tuple(dict.fromkeys(self.positions or (default,)))
