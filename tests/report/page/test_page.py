@@ -54,10 +54,10 @@ def test_same_bytes_but_for_the_time():
     for _ in range(2):
         axis = bc.compare(bc.thesis(), [1], axis="c", ess=400)
         made.append(html(page_of(axis, "bayescal report")))
-    stamp = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\+00:00")
+    stamp = re.compile(r"\d{4}-\d\d-\d\d(T\d\d:\d\d:\d\d\+00:00| \d\d:\d\d UTC)")
     first, second = (stamp.sub("", page) for page in made)
     assert first == second
-    assert stamp.search(made[0])
+    assert len(stamp.findall(made[0])) > 1
 
 
 @pytest.mark.parametrize("prior", ["field", "flat"])
