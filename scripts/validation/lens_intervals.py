@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 import numpy as np
 from scipy.stats import kstest
-from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
 from bayescal.calibration.averaging import ErrorAverage
@@ -28,7 +27,7 @@ from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.sweep import Sweep
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
-from scripts.validation.sections import options_of, publish
+from scripts.validation.sections import of_each, options_of, publish
 from scripts.validation.simulated_boards import HEIGHT, WIDTH, Errors, Truth, views_of
 
 HEADING = "## Intervals of lenses over many views"
@@ -46,9 +45,7 @@ PLACES = ("projection, where there are points", "projection, at the corners")
 def main() -> int:
     """Measure, and print or write the section."""
     options = options_of("scripts/validate lens-intervals", __doc__, HEADING, 100, 4)
-    with threadpool_limits(1):
-        section = "\n".join(report(options)) + "\n"
-    publish(section, HEADING, options.out)
+    publish("\n".join(report(options)) + "\n", HEADING, options.out)
     return 0
 
 
@@ -68,12 +65,12 @@ def report(options: argparse.Namespace) -> Iterator[str]:
         "ranks are uniform as far as the data outweigh it. Projections are at infinity, the turn "
         "that poses absorb taken out, r and c apart.",
     )
-    for name, errors in REGIMES.items():
-        rng = np.random.default_rng([options.seed, *name.encode()])
+    cases = [(options.seed, name, number) for name in REGIMES for number in range(options.sets)]
+    found = of_each(calibrated, cases, options.workers)
+    for name in REGIMES:
         ranks: dict[str, list[float]] = defaultdict(list)
         scores: dict[str, list[Array]] = defaultdict(list)
-        for _ in range(options.sets):
-            one, two = calibrated(errors, rng.spawn(1)[0])
+        for one, two in (found[i] for i, case in enumerate(cases) if case[1] == name):
             for place, rank in one.items():
                 ranks[place].append(rank)
             for place, z in two.items():
@@ -95,10 +92,9 @@ def row(name: str, shares: list[Array], p: str) -> str:
     return f"| {name} | {n} | {' | '.join(cells)} | {p} |"
 
 
-def calibrated(
-    errors: Errors, rng: np.random.Generator
-) -> tuple[dict[str, float], dict[str, Array]]:
+def calibrated(seed: int, name: str, number: int) -> tuple[dict[str, float], dict[str, Array]]:
     """Ranks of the true parameters, and errors of the projection in deviations, by place."""
+    rng, errors = np.random.default_rng([seed, *name.encode(), number]), REGIMES[name]
     sizes = [np.exp(rng.uniform(*np.log(b))) * rng.choice([-1, 1]) for b in ((10, 150), (3, 60))]
     truth = Truth((float(sizes[0]), float(sizes[1])), None)
     views, intrinsics = views_of(truth, errors, N_VIEWS, rng)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
-from threadpoolctl import threadpool_limits
 
 import bayescal as bc
 from bayescal.arrays import Array
@@ -16,7 +15,7 @@ from bayescal.cameras.lenses import lens_named
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.prediction.calibrated.alignment import absorbed_turns
 from bayescal.prediction.sights import image_grid, sights
-from scripts.validation.sections import options_of, publish
+from scripts.validation.sections import of_each, options_of, publish
 from scripts.validation.simulated_boards import Errors, Truth, some_intrinsics, views_of
 from scripts.validation.turned_camera import TURNED, projected, turned_points
 
@@ -154,19 +153,15 @@ KINDS = {
 }
 
 
-def shares(kind: Kind, sets: int, seed: int) -> Iterator[tuple[float, ...]]:
-    """Yield of each set the shares of pixels, distances and poses inside, and of false alarms."""
-    last: bc.CalibratedCamera | None = None
-    for i in range(sets):
-        rng = np.random.default_rng([seed, i])
-        made = kind.calibrated(rng)
-        camera, alarm = made.camera, np.nan
-        if last is not None and i % 2:
-            alarm = float(bc.changed(last, camera).changed)
-        last = camera
-        yield pixels_inside(kind, made, rng), distances_inside(kind, made, rng), pose_inside(
-            kind, made, rng
-        ), alarm  # fmt: skip
+def pair(name: str, seed: int, number: int) -> tuple[Array, float]:
+    """Shares of pixels, distances and poses inside, ``(2, 3)``; whether the two seem changed."""
+    shares, made = [], []
+    for one in (2 * number, 2 * number + 1):
+        rng = np.random.default_rng([seed, one])
+        made.append(KINDS[name].calibrated(rng))
+        each = (pixels_inside, distances_inside, pose_inside)
+        shares.append([share(KINDS[name], made[-1], rng) for share in each])
+    return np.array(shares), float(bc.changed(made[0].camera, made[1].camera).changed)
 
 
 def pixels_inside(kind: Kind, made: Calibrated, rng: np.random.Generator) -> float:
@@ -220,10 +215,12 @@ def report(options: argparse.Namespace) -> Iterator[str]:
         "| model | sets | new pixels in 95 % | distances within U | poses in 95 % | changed |",
         "|---|---|---|---|---|---|",
     )
-    for name, kind in KINDS.items():
-        found = np.array(list(shares(kind, options.sets, options.seed)))
-        cells = " | ".join(_percent(column[np.isfinite(column)]) for column in found.T)
-        yield f"| {name} | {options.sets} | {cells} |"
+    for name in KINDS:
+        cases = [(name, options.seed, number) for number in range((options.sets + 1) // 2)]
+        found = of_each(pair, cases, options.workers)
+        inside = np.concatenate([shares for shares, _ in found])
+        columns = [*inside.T, np.array([alarm for _, alarm in found])]
+        yield f"| {name} | {len(inside)} | {' | '.join(map(_percent, columns))} |"
 
 
 def _percent(values: Array) -> str:
@@ -235,10 +232,9 @@ def main() -> None:
     """Measure, and print or write."""
     options = options_of("scripts/validate predictions", __doc__, HEADING, 1000, 4)
     lines = []
-    with threadpool_limits(1):
-        for line in report(options):
-            print(line, flush=True)
-            lines.append(line)
+    for line in report(options):
+        print(line, flush=True)
+        lines.append(line)
     if options.out is not None:
         publish("\n".join(lines) + "\n", HEADING, options.out)
 

@@ -5,9 +5,14 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
+
+from threadpoolctl import threadpool_limits
 
 from bayescal.files import write_whole
+from bayescal.fleets.cluster import Task, connected, spread
 
 
 def options_of(
@@ -30,12 +35,46 @@ def options_of(
     )
     parser.add_argument("--seed", type=int, default=0, help="of all randomness (0)")
     parser.add_argument(
+        "--workers", type=int, default=1, help="processes, which change no result (1)"
+    )
+    parser.add_argument(
         "--out", metavar="FILE.md", help=f"put the section {heading!r} into this file (printed)"
     )
     options = parser.parse_args()
-    if options.sets < least or options.seed < 0:
-        parser.error(f"--sets must be at least {least}, --seed not negative")
+    if options.sets < least or options.seed < 0 or options.workers < 1:
+        parser.error(f"--sets must be at least {least}, --seed not negative, --workers positive")
     return options
+
+
+def of_each(
+    function: Callable[..., Any], cases: Sequence[tuple[Any, ...]], workers: int
+) -> list[Any]:
+    """Call a function on each case, on processes as a fleet's cameras are judged.
+
+    Parameters
+    ----------
+    function : callable
+        What comes of a case depends on its arguments alone, its seed among them.
+    cases : sequence of tuple
+        Arguments.
+    workers : int
+        Processes; with one, the cases are done here.
+
+    Returns
+    -------
+    list
+        In the order of the cases.
+    """
+    if workers == 1:
+        with threadpool_limits(1):
+            return [function(*case) for case in cases]
+    tasks = [Task(str(number), case) for number, case in enumerate(cases)]
+    with connected(None, workers) as client:
+        found = {task.key: outcome for task, outcome in spread(client, function, tasks)}
+    for outcome in found.values():
+        if isinstance(outcome, BaseException):
+            raise outcome
+    return [found[task.key] for task in tasks]
 
 
 def publish(section: str, heading: str, out: str | None) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -12,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_triangular
-from threadpoolctl import threadpool_limits
 
 from bayescal.comparison.analysis import analyse_points
 from bayescal.comparison.families.hint import family_hint
@@ -23,7 +21,7 @@ from bayescal.linear.closed_form import ExactPosterior, exact_posterior
 from bayescal.linear.least_squares import factorise
 from bayescal.linear.model import LinearModel
 from bayescal.polynomials.basis import legendre_design
-from scripts.validation.sections import options_of, publish
+from scripts.validation.sections import of_each, options_of, publish
 from scripts.validation.voice_cameras import KINDS, Camera
 
 HEADING = "## The verdict"
@@ -74,29 +72,28 @@ class ClosedForms(Store):
 def main() -> int:
     """Measure, print or write; 1 where "decided" is wrong in more than 5 % of where it is said."""
     options = options_of("scripts/validate voice", __doc__, HEADING, 200, 5)
-    with threadpool_limits(1):
-        counts = {name: counted(name, options) for name in KINDS}
+    cases = [(options.seed, kind, number) for kind in KINDS for number in range(options.sets)]
+    found = of_each(counted, cases, options.workers)
+    counts = {kind: Counter[str]() for kind in KINDS}
+    for (_, kind, _), outcome in zip(cases, found, strict=True):
+        counts[kind].update(outcome)
     publish("\n".join(report(options, counts)) + "\n", HEADING, options.out)
     return 0
 
 
-def counted(kind: str, options: argparse.Namespace) -> Counter[str]:
-    """Count the outcomes of both axes of all cameras of a kind."""
-    print(f"validate voice: {kind}", file=sys.stderr)
+def counted(seed: int, kind: str, number: int) -> Counter[str]:
+    """Count the outcomes of both axes of a camera."""
+    rng = np.random.default_rng([seed, list(KINDS).index(kind), number])
+    camera = KINDS[kind](rng)
+    settings = dict(camera.settings)
+    orders = settings.pop("orders", ORDERS)
+    wanted = Settings(**settings)
+    result = analyse_points(camera.points, dict.fromkeys("rc", orders), wanted, None, ClosedForms())
+    if not all(axis.verdict.withheld for axis in result.axes.values()):
+        result = result.with_hint(family_hint(camera.points, result, wanted))
     found: Counter[str] = Counter()
-    for i in range(options.sets):
-        rng = np.random.default_rng([options.seed, list(KINDS).index(kind), i])
-        camera = KINDS[kind](rng)
-        settings = dict(camera.settings)
-        orders = settings.pop("orders", ORDERS)
-        wanted = Settings(**settings)
-        result = analyse_points(
-            camera.points, dict.fromkeys("rc", orders), wanted, None, ClosedForms()
-        )
-        if not all(axis.verdict.withheld for axis in result.axes.values()):
-            result = result.with_hint(family_hint(camera.points, result, wanted))
-        for name, axis in result.axes.items():
-            found.update(outcomes(camera, name, axis))
+    for name, axis in result.axes.items():
+        found.update(outcomes(camera, name, axis))
     return found
 
 
