@@ -27,7 +27,7 @@ SMALLEST = 1e-30
 # Below it an incomplete gamma function comes from a series, before it underflows: many
 # residuals that a model fits far below the lowest sigma get there.
 TINY = 1e-290
-TERMS = 60
+TERMS, ROUNDED = 60, 1e-17
 
 
 @dataclass(frozen=True)
@@ -132,4 +132,6 @@ def _sum(v: Array, a: float, sign: int) -> Array:
     for k in range(1, TERMS):
         term = term * (v / (a + k) if sign > 0 else (a - k) / v)
         total += term
+        if (np.abs(term) <= ROUNDED * np.abs(total)).all():
+            break
     return total
