@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import softmax
 
 from bayescal.arrays import Array, IntArray
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_grid import Node
-from bayescal.calibration.evidence import settled, weighed
+from bayescal.calibration.evidence import drawn, settled
+from bayescal.calibration.expansion import Expansion
 from bayescal.calibration.judge import LensEvidence, Setting
 from bayescal.inference.weighting import resampled
 
@@ -16,20 +16,28 @@ FEWEST = 20  # draws at a time from an error model: fewer can't be picked by the
 
 
 class ErrorAverage:
-    """A lens under each of its error models, settled there once."""
+    """A lens under each of its error models, linearised where the best of them has its mode."""
 
     def __init__(self, evidence: LensEvidence, setting: Setting) -> None:
         self.evidence, self.setting = evidence, setting
-        self._settled = {evidence.errors.nodes[0]: evidence.problem}
+        self._made: dict[Node, Problem | Expansion] = {evidence.errors.nodes[0]: evidence.density}
+
+    def density(self, node: Node) -> Problem | Expansion:
+        """Put the lens under an error model."""
+        if node not in self._made:
+            best, base = self.evidence.problem, self.evidence.density
+            problem = self.setting.problem(best.model, best.x, best.poses, node)
+            if isinstance(base, Expansion):
+                problem.__dict__["stack"] = best.stack  # it knows no error model
+                self._made[node] = Expansion(problem, base.terms)
+            else:
+                self._made[node] = settled(problem)
+        return self._made[node]
 
     def problem(self, node: Node) -> Problem:
-        """Put the lens under an error model."""
-        if node not in self._settled:
-            best = self.evidence.problem
-            self._settled[node] = settled(
-                self.setting.problem(best.model, best.x, best.poses, node)
-            )
-        return self._settled[node]
+        """Give the lens as it is linearised under an error model."""
+        found = self.density(node)
+        return found if isinstance(found, Problem) else found.problem
 
     def draws(self, rng: np.random.Generator, n: int) -> Array:
         """Draw the lens's coordinates, the error models averaged, ``(about n, dimension)``.
@@ -43,9 +51,7 @@ class ErrorAverage:
         for node, count in zip(errors.nodes, counts, strict=True):
             if not count:
                 continue
-            child = rng.spawn(1)[0]
-            _, draws, log_weights = weighed(self.problem(node), child, count)
-            parts.append(draws[resampled(softmax(log_weights), count, child)])
+            parts.append(drawn(self.density(node), rng.spawn(1)[0], count))
         return np.concatenate(parts)
 
     def covariance(self) -> Array:

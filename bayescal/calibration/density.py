@@ -15,8 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array, IntArray
 from bayescal.calibration.error_model import Shared
@@ -24,12 +23,12 @@ from bayescal.calibration.laplace import INFERRED, Laplace, Level, constant, deg
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import Reduced, Views, eliminate, pose_response, reduce
-from bayescal.calibration.stacking import Poses, Stacked, residuals, stacked
-from bayescal.calibration.strengths import strengths
+from bayescal.calibration.stacking import Poses, Stacked, pose_slopes, residuals, stacked
+from bayescal.calibration.strengths import Strengths, strengths
 from bayescal.inference.proposals.t_mixture import cholesky
 from bayescal.prior.strength import Strength
 
-AT_A_TIME = 100_000  # numbers of residuals
+AT_A_TIME = 50_000  # numbers of residuals
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +66,7 @@ class Problem:
     @cached_property
     def reduced(self) -> Reduced:
         """Normal equations of the lens alone."""
-        return eliminate(self.views, self.root)
+        return eliminate(self.views.sums, self.root)
 
     @cached_property
     def offsets(self) -> Array:
@@ -102,13 +101,7 @@ class Problem:
 
     def log_prob(self, x: Array) -> Array:
         """Log likelihood times prior at lenses ``(n_draws, dimension)``; -inf where impossible."""
-        rows = max(1, AT_A_TIME // self.data.pixels.size)
-        parts = [self._log_prob(x[i : i + rows]) for i in range(0, len(x), rows)]
-        return np.concatenate(parts) if parts else np.empty(0)
-
-    def _log_prob(self, x: Array) -> Array:
-        found, possible = self.log_likelihood(x)
-        return np.where(possible, found + self.log_prior(x), -np.inf)
+        return self.log_likelihood(x) + self.log_prior(x)
 
     def log_prior(self, x: Array) -> Array:
         """Log prior, the strengths integrated out, ``(n_draws,)``."""
@@ -121,27 +114,43 @@ class Problem:
             total = total - len(group.columns) * np.log(group.unit)
         return np.asarray(total)
 
-    def log_likelihood(self, x: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Log likelihood with poses, offsets and sigma integrated, and where it is possible."""
-        with np.errstate(all="ignore"):
-            poses = self.poses_at(x)
-            misfit, possible = residuals(self.model, self.data, x, poses)
-            misfit = np.where(possible[:, None, None, None], misfit, 0.0)
-            squares = self._least_squares(misfit)
-            log_det = self.reduced.log_det + self._log_det_change(x)
-        fixed = constant(self.data, 0.0, self.shared.log_det)
-        found = self.level.log_density(np.maximum(squares, 0.0), degrees(self.data))
-        return found + fixed - log_det / 2, possible & np.isfinite(squares)
+    def log_likelihood(self, x: Array) -> Array:
+        """Log likelihood with poses, offsets and sigma integrated; -inf where impossible."""
+        u = solve_triangular(self.spread, (x - self.x).T, lower=True).T
+        slope, bend = self._log_det_response
+        return self.likelihood_of(self.squares(x), u @ slope + u**2 @ bend)
+
+    def likelihood_of(self, squares: Array, log_det_change: Array) -> Array:
+        """Log likelihood of smallest sums of squares, ``(n_draws,)``.
+
+        Parameters
+        ----------
+        log_det_change : Array
+            Of the poses' precisions from the reference, ``(n_draws,)``.
+        """
+        possible = np.isfinite(squares)
+        found = self.level.log_density(np.where(possible, squares, 1.0), degrees(self.data))
+        fixed = constant(self.data, self.reduced.log_det, self.shared.log_det)
+        return np.where(possible, found + fixed - log_det_change / 2, -np.inf)
 
     def squares(self, x: Array) -> Array:
-        """Smallest sum of squares over poses and offsets at lenses ``(n_draws, dimension)``."""
+        """Smallest sum of squares over poses and offsets at lenses ``(n_draws, dimension)``.
+
+        Infinite where a point can't be seen.
+        """
         rows = max(1, AT_A_TIME // self.data.pixels.size)
-        parts = []
-        for i in range(0, len(x), rows):
-            part = x[i : i + rows]
-            misfit, _ = residuals(self.model, self.data, part, self.poses_at(part))
-            parts.append(self._least_squares(misfit))
-        return np.concatenate(parts)
+        parts = [self._squares(part) for part in _split(x, rows)]
+        return np.concatenate(parts) if parts else np.empty(0)
+
+    def _squares(self, x: Array) -> Array:
+        with np.errstate(all="ignore"):
+            misfit, possible = residuals(self.model, self.data, x, self.poses_at(x))
+            if not possible.all():
+                misfit = np.where(possible[:, None, None, None], misfit, 0.0)
+            arranged, weighted, taken = self._weighed(misfit)
+            total = np.einsum("vasn,vasn->s", arranged, weighted)
+            total -= np.einsum("si,si->s", taken, taken)
+        return np.where(possible & np.isfinite(total), np.maximum(total, 0.0), np.inf)
 
     def only(self, views: IntArray) -> Problem:
         """Give the same lens under the same error model for some of the views."""
@@ -149,38 +158,49 @@ class Problem:
         shared = self.shared.only(views, data.which.shape[1])
         return replace(self, data=data, poses=poses, shared=shared)
 
-    def _least_squares(self, misfit: Array) -> Array:
-        """Smallest sum of squares over poses near by, ``(n_draws,)``."""
-        weighted = self.shared.apply(misfit)
-        total = np.einsum("svna,svna->s", misfit, weighted)
-        slope = np.einsum("svna,vnap->svp", weighted, self.stack.by_pose, optimize=True)
+    def products(self, terms: Array) -> Array:
+        """Products of terms of the residuals, poses and offsets at their best, ``(p, p)``.
+
+        Parameters
+        ----------
+        terms : Array
+            ``(p, n_views, n_places, 2)``: the sum of squares of c @ terms is c @ products @ c.
+        """
+        arranged, weighted, taken = self._weighed(terms)
+        one, other = (np.moveaxis(a, 2, 0).reshape(len(terms), -1) for a in (arranged, weighted))
+        return np.asarray(one @ other.T - taken @ taken.T)
+
+    def _weighed(self, misfit: Array) -> tuple[Array, Array, Array]:
+        """Residuals e and R^-1 e, ``(n_views, 2, n_draws, n_places)``, and what is taken of them.
+
+        Poses and offsets take the square of that, ``(n_draws, 6 n_views + n_offsets)``, from
+        e' R^-1 e.
+        """
+        e = misfit.transpose(1, 3, 0, 2)
+        inverse = self.shared.inverse
+        weighted = e if inverse is None else e @ inverse[:, None]
+        # H = L L' of each pose: L^-1 P' R^-1 e.
+        slopes = self.stack.by_pose.swapaxes(1, 2) @ self._pose_whiteners.swapaxes(1, 2)[:, None]
+        poses = (weighted @ slopes).sum(axis=1)
+        taken = np.asarray(poses.swapaxes(0, 1).reshape(len(misfit), -1))
         if self.root is not None:
-            offset = self._pulled(weighted) @ self.root  # L' G' R^-1 e
-            solved = cho_solve(self._offset_factor, offset.T).T
-            total = total - (offset * solved).sum(axis=1)
-            slope = slope - np.einsum("vpq,sq->svp", self._coupling, solved, optimize=True)
-        whitened = np.einsum("vij,svj->svi", self._pose_whiteners, slope, optimize=True)
-        total = total - np.einsum("svi,svi->s", whitened, whitened)
-        if self.root is not None:
-            # H is its blocks less the coupling's low rank: the rest of H^-1 by Woodbury.
-            rest = np.einsum("svi,viq->sq", whitened, self._white_coupling, optimize=True)
-            total = total - (rest * cho_solve(self._coupled_factor, rest.T).T).sum(axis=1)
-        return np.asarray(total)
+            pulled = self._pulled(weighted) - taken @ self._white_coupling
+            taken = np.concatenate([taken, pulled @ self._offset_whitener], axis=1)
+        return e, weighted, taken
 
     def _pulled(self, weighted: Array) -> Array:
         """G' R^-1 e: what pulls at the target's points, ``(n_draws, 3 n_target)``."""
-        met = np.einsum("svna,vnai->svni", weighted, self.stack.by_target, optimize=True)
-        pulled = np.zeros((len(weighted), len(self.data.target), 3))
-        for view in range(self.data.n_views):
-            seen = self.data.seen[view]
-            pulled[:, self.data.which[view, seen]] += met[:, view, seen]
-        return pulled.reshape(len(weighted), -1)
-
-    @cached_property
-    def _coupling(self) -> Array:
-        """P' R^-1 G L, ``(n_views, 6, q)``."""
-        assert self.root is not None
-        return np.asarray(self.views.pose_offset @ self.root)
+        by_target = self.stack.by_target
+        pulled = np.zeros((weighted.shape[2], 3, len(self.data.target)))
+        for axis in range(3):
+            if self.data.alike:
+                met = np.einsum("vasn,vna->sn", weighted, by_target[..., axis])
+                pulled[:, axis, self.data.which[0]] = met
+                continue
+            for view, (which, seen) in enumerate(zip(self.data.which, self.data.seen, strict=True)):
+                met = np.einsum("asn,na->sn", weighted[view], by_target[view, ..., axis])
+                pulled[:, axis, which[seen]] += met[:, seen]
+        return pulled.swapaxes(1, 2).reshape(len(pulled), -1)
 
     @cached_property
     def _pose_whiteners(self) -> Array:
@@ -189,35 +209,25 @@ class Problem:
 
     @cached_property
     def _white_coupling(self) -> Array:
-        return np.asarray(self._pose_whiteners @ self._coupling)
+        """L^-1 P' R^-1 G of all poses, ``(6 n_views, 3 n_target)``."""
+        coupling = self._pose_whiteners @ self.views.pose_offset
+        return np.asarray(coupling.reshape(-1, coupling.shape[2]))
 
     @cached_property
-    def _coupled_factor(self) -> tuple[Array, bool]:
-        """Factor of I + L' F L, poses eliminated."""
+    def _offset_whitener(self) -> Array:
+        """B with B B' = L (I + L' F L)^-1 L', L the offsets' root, ``(3 n_target, n_offsets)``."""
         assert self.root is not None
         inner = np.eye(self.root.shape[1]) + self.root.T @ self.views.inner @ self.root
-        lower, _ = cho_factor(inner, lower=True)
-        return np.asarray(lower), True
-
-    @cached_property
-    def _offset_factor(self) -> tuple[Array, bool]:
-        """Factor of I + L' G' R^-1 G L, poses not eliminated."""
-        assert self.root is not None
-        flat = self._white_coupling.reshape(-1, self.root.shape[1])
-        inner = np.eye(self.root.shape[1]) + self.root.T @ self.views.inner @ self.root
-        lower, _ = cho_factor(inner + flat.T @ flat, lower=True)
-        return np.asarray(lower), True
-
-    def _log_det_change(self, x: Array) -> Array:
-        """Change of the log determinant of the poses' precisions from the reference."""
-        slope, bend = self._log_det_response
-        u = solve_triangular(self.spread, (x - self.x).T, lower=True).T
-        return np.asarray(u @ slope + u**2 @ bend)
+        whitener = solve_triangular(np.linalg.cholesky(inner), self.root.T, lower=True)
+        return np.asarray(whitener.T)
 
     @cached_property
     def laplace(self) -> Laplace:
         """Posterior by linear algebra about the reference."""
-        prior = strengths(self.model)
+        return self.laplace_over(strengths(self.model))
+
+    def laplace_over(self, prior: Strengths) -> Laplace:
+        """Give it with other combinations of strengths."""
         log_det = self.shared.log_det
         return laplace(self.reduced, self.x, self.data, prior, log_det, self.level)
 
@@ -229,20 +239,30 @@ class Problem:
     @cached_property
     def _log_det_response(self) -> tuple[Array, Array]:
         """First and second order of that change in each direction, from steps of 1 sd."""
-        d = self.model.dimension
-        steps = self.spread.T  # rows: steps of x for u = 1
-        around = np.concatenate([steps, -steps])
-        values = (
-            np.array([self.log_det_at(self.x + s) for s in around]) - self.views.log_det_poses.sum()
-        )
-        values = np.where(np.isfinite(values), values, 0.0)
-        up, down = values[:d], values[d:]
-        return (up - down) / 2, (up + down) / 2
+        around = np.concatenate([self.spread.T, -self.spread.T])
+        rows = max(1, AT_A_TIME // (6 * self.data.pixels.size))
+        values = [self.log_det_of(self.slopes_at(x)) for x in _split(self.x + around, rows)]
+        return both_sides(np.concatenate(values))
 
-    def log_det_at(self, x: Array) -> float:
-        """Log determinant of the poses' precisions at one lens."""
-        stack = stacked(self.model, self.data, x, self.poses_at(x))
+    def slopes_at(self, x: Array) -> Array:
+        """Differentiate by the poses at lenses ``(n_draws, dimension)``, as `pose_slopes` does."""
+        return pose_slopes(self.model, self.data, x, self.poses_at(x))
+
+    def log_det_of(self, slopes: Array) -> Array:
+        """Log determinant of the poses' precisions less that at the reference, ``(n_draws,)``."""
         v, n = self.data.which.shape
-        weighted = self.shared.apply(stack.by_pose.reshape(v, n, -1)).reshape(v, n, 2, 6)
-        blocks = np.einsum("vnap,vnaq->vpq", stack.by_pose, weighted, optimize=True)
-        return float(np.linalg.slogdet(blocks)[1].sum())
+        rows = slopes.reshape(-1, v, n, 12)
+        weighted = self.shared.apply(rows).reshape(-1, v, 2 * n, 6)
+        blocks = rows.reshape(-1, v, 2 * n, 6).swapaxes(2, 3) @ weighted
+        found = np.linalg.slogdet(blocks)[1].sum(axis=1) - self.views.log_det_poses.sum()
+        return np.where(np.isfinite(found), found, 0.0)
+
+
+def both_sides(values: Array) -> tuple[Array, Array]:
+    """First and second order of what is 0 at the middle, from steps up along each axis and down."""
+    up, down = np.split(values, 2)
+    return (up - down) / 2, (up + down) / 2
+
+
+def _split(x: Array, rows: int) -> list[Array]:
+    return [x[i : i + rows] for i in range(0, len(x), rows)]

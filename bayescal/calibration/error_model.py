@@ -20,6 +20,7 @@ from bayescal.arrays import Array, IntArray, frozen
 from bayescal.calibration.observations import Observations
 
 SMOOTH_LENGTH = 0.25  # diagonals
+KEPT = 20_000_000  # numbers of covariances kept, 160 MB
 LARGEST_TARGET = 400  # points: with more, offsets of single points are not tried
 
 
@@ -91,6 +92,7 @@ class Geometry:
 
     def __init__(self, data: Observations) -> None:
         self.data = data
+        self._kept: dict[tuple[float, float], Shared] = {}
 
     @cached_property
     def spacing(self) -> float:
@@ -121,9 +123,18 @@ class Geometry:
         """Noise within the views."""
         if not error.correlated:
             return INDEPENDENT
+        key = error.correlated, error.length
+        if key not in self._kept:
+            size = self.data.which.shape[1] ** 2 * (1 if self.data.alike else self.data.n_views)
+            while len(self._kept) * size > KEPT:
+                del self._kept[next(iter(self._kept))]
+            self._kept[key] = self._made(*key)
+        return self._kept[key]
+
+    def _made(self, correlated: float, length: float) -> Shared:
         data = self.data
-        kernel = error.correlated * np.exp(-self.distance / error.length)
-        one = data.n_views > 0 and bool((data.which == data.which[0]).all() and data.seen.all())
+        kernel = correlated * np.exp(-self.distance / length)
+        one = data.alike and data.n_views > 0
         which, seen = (data.which[:1], data.seen[:1]) if one else (data.which, data.seen)
         covariance = kernel[which[:, :, None], which[:, None, :]]
         covariance = covariance * (seen[:, :, None] & seen[:, None, :])
@@ -136,8 +147,8 @@ class Geometry:
             log_det = np.broadcast_to(log_det, data.n_views)
         return Shared(inverse, log_det)
 
-    def offset_root(self, error: ErrorModel, unit: float) -> Array | None:
-        """Root of the covariance of the target's offsets over sigma^2.
+    def offset_scale(self, error: ErrorModel, unit: float) -> Array | None:
+        """Deviation of the target's offsets over sigma in each direction of `offset_basis`.
 
         Parameters
         ----------
@@ -147,26 +158,30 @@ class Geometry:
         Returns
         -------
         Array or None
-            ``(3 n_target, q)``: x, y, z of the first point, then of the next; None without.
+            ``(3 n_target,)``; None without offsets.
         """
-        n = len(self.data.target)
-        parts: list[Array] = []
-        if error.rough:
-            across = 2 if self.data.planar else 3
-            rough: Array = np.zeros((n, 3, n, across))
-            at = np.arange(n)
-            for axis in range(across):
-                rough[at, axis, at, axis] = error.rough
-            parts.append(np.asarray(rough.reshape(3 * n, -1)))
-        if error.smooth:
-            smooth = self._smooth_root
-            parts.append(np.asarray(error.smooth * np.kron(smooth, np.eye(3))))
-        return np.concatenate(parts, axis=1) * unit if parts else None
+        if not error.offsets:
+            return None
+        values, _ = self._smooth
+        rough = np.array([1.0, 1.0, 0.0 if self.data.planar else 1.0]) * error.rough**2
+        return np.asarray(unit * np.sqrt(error.smooth**2 * values[:, None] + rough).ravel())
 
     @cached_property
-    def _smooth_root(self) -> Array:
-        """Root of the smooth correlation, its negligible directions left out."""
+    def offset_basis(self) -> Array:
+        """Directions in which offsets are independent whatever their levels, orthonormal columns.
+
+        ``(3 n_target, 3 n_target)``: x, y, z of the first point, then of the next.
+        """
+        return np.asarray(np.kron(self._smooth[1], np.eye(3)), dtype=np.float64)
+
+    def offset_root(self, error: ErrorModel, unit: float) -> Array | None:
+        """Root of the covariance of the target's offsets over sigma^2, ``(3 n_target, q)``."""
+        scale = self.offset_scale(error, unit)
+        return None if scale is None else (self.offset_basis * scale)[:, scale > 0]
+
+    @cached_property
+    def _smooth(self) -> tuple[Array, Array]:
+        """Variances and directions of the smooth offsets; 0 where they are negligible."""
         kernel = np.exp(-0.5 * (self.distance / SMOOTH_LENGTH) ** 2)
         values, vectors = np.linalg.eigh(kernel)
-        kept = values > 1e-4 * values.max()
-        return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
+        return np.where(values > 1e-4 * values.max(), values, 0.0), vectors

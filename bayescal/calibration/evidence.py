@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.special import logsumexp
+from scipy.special import logsumexp, softmax
 
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
+from bayescal.calibration.expansion import Expansion
+from bayescal.calibration.strengths import COARSE, strengths
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.optimum import Mode
 from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.proposals.t_mixture import TMixture, cholesky
+from bayescal.inference.weighting import resampled
 
 SETTLE_STEPS = 6
-NEAR = 1e-3  # posterior deviations: a reference this near its mode is settled
+NEAR = 0.01  # posterior deviations: a step this short leaves a reference that is settled
 COMPONENTS, COVERED = 40, 0.999  # of the mixture; share of the mass they hold
 DRAWS = 2000
+CORRECTED = 100  # draws at which an expansion is corrected
 
 
 def settled(problem: Problem) -> Problem:
@@ -28,14 +33,15 @@ def settled(problem: Problem) -> Problem:
     Problem
         Where a step leads out of what the lens can see, the problem as it was before it.
     """
+    prior = strengths(problem.model, COARSE)
     for _ in range(SETTLE_STEPS):
-        step = problem.laplace.mean
-        size = np.abs(np.linalg.solve(problem.spread, step)).max()
+        found = problem.laplace_over(prior)
+        step, sd = found.mean, np.sqrt(np.diag(found.covariance))
         moved = replace(problem, x=problem.x + step, poses=problem.poses_at(problem.x + step))
         if not moved.stack.possible:
             break
         problem = moved
-        if size < NEAR:
+        if np.abs(step / sd).max() < NEAR:
             break
     return problem
 
@@ -50,7 +56,7 @@ def proposal(problem: Problem) -> tuple[TMixture, tuple[Mode, ...]]:
         Mode(
             problem.x + found.step[i],
             float(found.log_mass[i]),
-            cholesky(np.linalg.inv(found.precision[i])),
+            cholesky(found.covariances[i]),
         )
         for i in order[:n]
     )
@@ -58,18 +64,41 @@ def proposal(problem: Problem) -> tuple[TMixture, tuple[Mode, ...]]:
 
 
 def weighed(
-    problem: Problem, rng: np.random.Generator, n: int = DRAWS
+    density: Problem | Expansion, rng: np.random.Generator, n: int = DRAWS
 ) -> tuple[EvidenceEstimate, Array, Array]:
     """Evidence by importance sampling, with the draws and the logs of their weights.
 
+    An expansion weighs all of the draws; what it lacks is the mean difference from the density
+    itself over the first of them, whose error counts.
+
     Parameters
     ----------
-    problem : Problem
+    density : Problem or Expansion
         Settled.
     n : int, optional
         Number of draws.
     """
+    problem = density if isinstance(density, Problem) else density.problem
     mixture, _ = proposal(problem)
     draws = mixture.draw(rng, n)
-    log_weights = problem.log_prob(draws) - mixture.log_density(draws)
-    return from_weights(log_weights), draws, log_weights
+    log_q = mixture.log_density(draws)
+    log_weights = density.log_prob(draws) - log_q
+    found = from_weights(log_weights)
+    if isinstance(density, Problem):
+        return found, draws, log_weights
+    few = min(n, CORRECTED)
+    exact = problem.log_prob(draws[:few]) - log_q[:few]
+    lacking = np.exp(exact - found.log_evidence) - np.exp(log_weights[:few] - found.log_evidence)
+    error = math.hypot(found.error, float(lacking.std(ddof=1)) / math.sqrt(few))
+    log_weights[:few] = exact
+    log_evidence = found.log_evidence + math.log1p(float(lacking.mean()))
+    return replace(found, log_evidence=log_evidence, error=error), draws, log_weights
+
+
+def drawn(density: Problem | Expansion, rng: np.random.Generator, n: int) -> Array:
+    """Draw lenses, picked from importance draws by their weights, ``(n, dimension)``."""
+    problem = density if isinstance(density, Problem) else density.problem
+    mixture, _ = proposal(problem)
+    draws = mixture.draw(rng, n)
+    log_weights = density.log_prob(draws) - mixture.log_density(draws)
+    return np.asarray(draws[resampled(softmax(log_weights), n, rng)])

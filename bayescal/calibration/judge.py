@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -13,19 +13,19 @@ from bayescal.calibration.density import Problem
 from bayescal.calibration.error_grid import Averaged, ErrorGrid, Node, follow
 from bayescal.calibration.error_model import Geometry, Shared
 from bayescal.calibration.evidence import settled, weighed
+from bayescal.calibration.expansion import Expansion, expanded
 from bayescal.calibration.laplace import Level, laplace
 from bayescal.calibration.least_squares import Fit, with_bow
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
-from bayescal.calibration.reduction import Views, eliminate, reduce
+from bayescal.calibration.reduction import Sums, eliminate, reduce
 from bayescal.calibration.stacking import Poses
-from bayescal.calibration.strengths import strengths
+from bayescal.calibration.strengths import COARSE, strengths
 from bayescal.inference.estimate import EvidenceEstimate
 
-WHITE: Node = (0, 0, 0, 0)
+TURNS = 4  # of the most probable error model and its mode at most
 NEARLY = 1.0  # nat: nodes looked at before residuals are linearised about the best
-KEPT_VIEWS = 24  # normal equations held at a time: some MB each
-COARSE = 6  # nodes of each strength while error models are compared
+KEPT = 64  # normal equations held at a time: up to some MB each
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +83,11 @@ class LensEvidence:
     estimate: EvidenceEstimate
     log_evidence: float
 
+    @cached_property
+    def density(self) -> Problem | Expansion:
+        """What draws are made of: the problem's expansion where it is near."""
+        return expanded(self.problem)
+
 
 def lens_evidence(
     model: LensModel,
@@ -101,23 +106,28 @@ def lens_evidence(
     fit : Fit
         Its least squares.
     start : tuple of Node
-        Error models to begin from.
+        Error models to begin from, the likeliest last.
     """
     bowed, begin = with_bow(fit, model) if setting.bow else (model, fit)
-    reference = settled(setting.problem(bowed, begin.x, begin.poses, WHITE))
-    comparer = _Comparer(reference, setting)
-    errors = follow(setting.grid, comparer, start, NEARLY)
-    best = settled(comparer.problem(errors.nodes[0]))
-    # Once more from where the best error model has its mode: the residuals were linear elsewhere.
-    comparer = _Comparer(best, setting)
-    errors = follow(setting.grid, comparer, errors.nodes[:1])
-    best = settled(comparer.problem(errors.nodes[0]))
-    estimate, _, _ = weighed(best, rng, draws)
-    linear = comparer(errors.nodes[0])
+    node = start[-1]
+    reference = settled(setting.problem(bowed, begin.x, begin.poses, node))
+    for _ in range(TURNS):
+        comparer = _Comparer(reference, setting)
+        best = follow(setting.grid, comparer, (*start, node), NEARLY).nodes[0]
+        if best == node:
+            break
+        # Once more from where that error model has its mode: residuals were linear elsewhere.
+        node, reference = best, settled(comparer.problem(best))
+    errors = follow(setting.grid, comparer, (*start, node))
+    if errors.nodes[0] != node:
+        node = errors.nodes[0]
+        reference = settled(comparer.problem(node))
+    estimate, _, _ = weighed(expanded(reference), rng, draws)
+    linear = comparer(node)
     if not math.isfinite(estimate.log_evidence):  # no draw was possible; its warning says so
         estimate = replace(estimate, log_evidence=linear)
     correction = estimate.log_evidence - linear
-    return LensEvidence(errors, best, estimate, errors.log_evidence + correction)
+    return LensEvidence(errors, reference, estimate, errors.log_evidence + correction)
 
 
 class _Comparer:
@@ -126,26 +136,34 @@ class _Comparer:
     def __init__(self, reference: Problem, setting: Setting) -> None:
         self.reference, self.setting = reference, setting
         self.prior = strengths(reference.model, COARSE)
-        self.views = lru_cache(maxsize=KEPT_VIEWS)(self._views)
+        self.sums = lru_cache(maxsize=KEPT)(self._sums)
+        self._known: dict[Node, float] = {}
 
-    def _views(self, correlated: int, length: int) -> tuple[Shared, Views]:
-        shared = self.setting.geometry.shared(self.setting.grid.error((correlated, length, 0, 0)))
-        offsets = self.setting.grid.offsets
-        return shared, reduce(self.reference.stack, self.setting.data, shared, offsets=offsets)
+    def _sums(self, correlated: int, length: int) -> tuple[Shared, Sums]:
+        geometry, grid = self.setting.geometry, self.setting.grid
+        shared = geometry.shared(grid.error((correlated, length, 0, 0)))
+        views = reduce(self.reference.stack, self.setting.data, shared, offsets=grid.offsets)
+        return shared, views.sums.turned(geometry.offset_basis) if grid.offsets else views.sums
 
     def __call__(self, node: Node) -> float:
-        shared, views = self.views(node[0], node[1])
-        root = self._root(node)
-        reduced = eliminate(views, root)
-        level = self.setting.level
-        data, x = self.setting.data, self.reference.x
-        return laplace(reduced, x, data, self.prior, shared.log_det, level).log_evidence
+        if node not in self._known:
+            self._known[node] = self._log_evidence(node)
+        return self._known[node]
 
-    def _root(self, node: Node) -> Array | None:
-        error = self.setting.grid.error(node)
-        return self.setting.geometry.offset_root(error, self.setting.unit)
+    def _log_evidence(self, node: Node) -> float:
+        setting = self.setting
+        shared, sums = self.sums(node[0], node[1])
+        scale = setting.geometry.offset_scale(setting.grid.error(node), setting.unit)
+        reduced, x = eliminate(sums, scale), self.reference.x
+        found = laplace(reduced, x, setting.data, self.prior, shared.log_det, setting.level)
+        if not self._known:
+            # Those left out would add nearly the same share to every error model.
+            self.prior = self.prior.only(found.likely)
+        return found.log_evidence
 
     def problem(self, node: Node) -> Problem:
         """Put the lens under an error model."""
-        shared, _ = self.views(node[0], node[1])
-        return replace(self.reference, shared=shared, root=self._root(node))
+        error = self.setting.grid.error(node)
+        geometry = self.setting.geometry
+        root = geometry.offset_root(error, self.setting.unit)
+        return replace(self.reference, shared=geometry.shared(error), root=root)

@@ -14,12 +14,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy.special import gammaln, logsumexp
 
-from bayescal.arrays import LOG_2PI, Array
-from bayescal.calibration.observations import Observations
+from bayescal.arrays import LOG_2PI, Array, IntArray
 from bayescal.calibration.reduction import Reduced
 from bayescal.calibration.strengths import Strengths
 from bayescal.prior.strength import Strength
@@ -29,7 +29,9 @@ REACH = 50.0  # diagonals: positions of the target are uniform within it
 # Rotations are uniform (8 pi^2 is their volume), positions within a ball.
 LOG_POSE = -math.log(8 * math.pi**2) - math.log(4 / 3 * math.pi * REACH**3)
 NEGLIGIBLE = 16.0  # nat below the best: combinations of strengths that are dropped after a step
-STEPS = 4  # of sigma and mode in turn: it falls by about a thousand a step near the mode
+LIKELY = 9.0  # nat below the best: those that are enough where evidences are compared
+STEPS = 4  # of sigma and mode in turn at most: it falls by about a thousand a step near the mode
+SETTLED = 1e-6  # relative change of sigma^2 that needs no further step
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,18 @@ class Level:
 INFERRED = Level()
 
 
-def degrees(data: Observations) -> int:
+class Seen(Protocol):
+    """What of observations an evidence needs beside their normal equations."""
+
+    @property
+    def n_points(self) -> int: ...  # noqa: D102
+    @property
+    def n_views(self) -> int: ...  # noqa: D102
+    @property
+    def log_weight(self) -> float: ...  # noqa: D102
+
+
+def degrees(data: Seen) -> int:
     """Values less six for each pose: what is left to tell of sigma and the lens."""
     return 2 * data.n_points - 6 * data.n_views
 
@@ -72,14 +85,22 @@ class Laplace:
         Log evidence of each combination that matters times its share, ``(n_combinations,)``.
     step : Array
         Mode of each, from where residuals were linearised, ``(n_combinations, d)``.
-    precision : Array
+    covariances : Array
         ``(n_combinations, d, d)``.
+    kept : IntArray
+        Which of the combinations offered these are, ``(n_combinations,)``.
     """
 
     log_evidence: float
     log_mass: Array
     step: Array
-    precision: Array
+    covariances: Array
+    kept: IntArray
+
+    @property
+    def likely(self) -> IntArray:
+        """Which of the combinations offered hold all but a negligible share."""
+        return self.kept[self.log_mass > self.log_mass.max() - LIKELY]
 
     @property
     def mean(self) -> Array:
@@ -96,14 +117,14 @@ class Laplace:
         """Covariance of the coordinates, ``(d, d)``."""
         shares, gap = self._shares, self.step - self.mean
         kept = shares > 1e-6
-        within = np.einsum("c,cij->ij", shares[kept], np.linalg.inv(self.precision[kept]))
+        within = np.einsum("c,cij->ij", shares[kept], self.covariances[kept])
         return np.asarray(within + (gap * shares[:, None]).T @ gap)
 
 
 def laplace(
     reduced: Reduced,
     x: Array,
-    data: Observations,
+    data: Seen,
     prior: Strengths,
     log_det_noise: float,
     level: Level = INFERRED,
@@ -119,21 +140,26 @@ def laplace(
     """
     nu, d = degrees(data), len(x)
     a, towards = reduced.precision, prior.mean - x
-    variance = level.variance(np.full(len(prior.log_weight), reduced.sum_of_squares), nu)
-    for turn in range(STEPS if level.sigma is None else 1):
+    kept = np.arange(len(prior.log_weight))
+    variance = level.variance(np.full(len(kept), reduced.sum_of_squares), nu)
+    for turn in range(STEPS):
         precision = a / variance[:, None, None] + _diagonal(prior.precision)
         pull = prior.precision * towards
         step = _solve(precision, reduced.slope / variance[:, None] + pull)
         uphill = step @ a - reduced.slope  # half the slope of S
         squares = reduced.sum_of_squares + ((uphill - reduced.slope) * step).sum(axis=1)
         squares = np.maximum(squares, np.finfo(float).tiny)
-        variance = level.variance(squares, nu)
+        before, variance = variance, level.variance(squares, nu)
         if turn == 0 and len(variance) > 1:
             fit = _fit(level, squares, nu, prior, step - towards)
             rough = fit - np.linalg.slogdet(precision)[1] / 2
             kept = np.flatnonzero(rough > rough.max() - NEGLIGIBLE)
             prior = prior.only(kept)
-            step, uphill, squares, variance = (v[kept] for v in (step, uphill, squares, variance))
+            step, uphill, squares, before, variance = (
+                v[kept] for v in (step, uphill, squares, before, variance)
+            )
+        if np.abs(variance / before - 1).max() < SETTLED:
+            break
     curvature = a / variance[:, None, None] + _diagonal(prior.precision)
     ratio = np.zeros(len(squares))
     if level.sigma is None:
@@ -143,15 +169,14 @@ def laplace(
             uphill[:, :, None] * uphill[:, None, :]
         )
         curvature = _positive(bent, curvature)
-        share = np.trace(
-            np.linalg.solve(curvature, np.broadcast_to(a, curvature.shape)), axis1=1, axis2=2
-        )
-        share = np.clip(share / variance, 0, d)
+    covariance = np.linalg.inv(curvature)
+    if level.sigma is None:
+        share = np.clip(np.einsum("cij,ij->c", covariance, a) / variance, 0, d)
         ratio = gammaln((nu - share) / 2) - gammaln(nu / 2) + share / 2 * math.log(nu / 2)
     log_mass = _fit(level, squares, nu, prior, step - towards) + ratio
     log_mass += d / 2 * LOG_2PI - 0.5 * np.linalg.slogdet(curvature)[1]
     log_mass = log_mass + constant(data, reduced.log_det, log_det_noise)
-    return Laplace(float(logsumexp(log_mass)), log_mass, step, curvature)
+    return Laplace(float(logsumexp(log_mass)), log_mass, step, covariance, kept)
 
 
 def _fit(level: Level, squares: Array, nu: int, prior: Strengths, deviation: Array) -> Array:
@@ -161,7 +186,7 @@ def _fit(level: Level, squares: Array, nu: int, prior: Strengths, deviation: Arr
     return np.asarray(found)
 
 
-def constant(data: Observations, log_det: float, log_det_noise: float) -> float:
+def constant(data: Seen, log_det: float, log_det_noise: float) -> float:
     """Sum what does not depend on the lens: weights, determinants and the poses' prior, nat."""
     return data.log_weight - (log_det + log_det_noise) / 2 + data.n_views * LOG_POSE
 

@@ -110,7 +110,7 @@ def _step(
     stack: Stacked, data: Observations, damping: float, pull: Array, towards: Array
 ) -> tuple[Array, Array]:
     views = reduce(stack, data, INDEPENDENT, offsets=False, damping=damping)
-    reduced = eliminate(views, None)
+    reduced = eliminate(views.sums, None)
     precision = reduced.precision + np.diag(pull)
     scale = 1 / np.sqrt(np.maximum(np.diag(precision), np.finfo(float).tiny))
     scaled = precision * scale * scale[:, None] + damping * np.eye(len(scale))

@@ -120,6 +120,11 @@ class Observations:
         return np.asarray(self.weight[..., 0] > 0)
 
     @cached_property
+    def complete(self) -> bool:
+        """Whether every view has a point at every place."""
+        return bool(self.seen.all())
+
+    @cached_property
     def counts(self) -> IntArray:
         """Points of each view, ``(n_views,)``."""
         return self.seen.sum(axis=1)
@@ -143,6 +148,29 @@ class Observations:
     def log_weight(self) -> float:
         """Sum of the logs of the weights."""
         return float(np.log(self.weight[self.seen]).sum())
+
+    @cached_property
+    def alike(self) -> bool:
+        """Whether every view shows the same points in the same places."""
+        return self.complete and bool((self.which == self.which[0]).all())
+
+    def by_target(self, values: Array) -> Array:
+        """Move values at the places of each view to its points of the target.
+
+        Parameters
+        ----------
+        values : Array
+            ``(n_views, n_places, ...)``.
+
+        Returns
+        -------
+        Array
+            ``(n_views, n_target, ...)``, 0 where a view lacks the point.
+        """
+        view, place = np.nonzero(self.seen)
+        out = np.zeros((len(values), len(self.target), *values.shape[2:]))
+        out[view, self.which[view, place]] = values[view, place]
+        return out
 
     def with_levels(self, levels: Array) -> Observations:
         """Give every view its level of noise, ``(n_views,)``."""

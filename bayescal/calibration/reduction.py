@@ -12,13 +12,13 @@ T = I + L' F L, F = sum_v G' M G (Golub & Pereyra 1973; Triggs et al. 2000, sect
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, IntArray
 from bayescal.calibration.error_model import Shared
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.stacking import Stacked
@@ -56,6 +56,41 @@ class Views:
         """Log determinant of each pose's precision, ``(n_views,)``."""
         return np.asarray(np.linalg.slogdet(self.pose_precision)[1])
 
+    @cached_property
+    def sums(self) -> Sums:
+        """Over the views."""
+        log_det = float(self.log_det_poses.sum())
+        return Sums(self.gram.sum(axis=0), self.cross.sum(axis=0), self.inner, log_det)
+
+    def without(self, view: int, stack: Stacked, data: Observations, shared: Shared) -> Sums:
+        """Give the sums over the other views; the rest as of `reduce`."""
+        inner = self.inner
+        if len(inner):
+            coupling = self.pose_offset[view]
+            inner = inner + coupling.T @ np.linalg.solve(self.pose_precision[view], coupling)
+            at, block = _block(stack, data, shared, view)
+            inner[np.ix_(at, at)] -= block
+        return Sums(
+            self.sums.gram - self.gram[view],
+            self.sums.cross - self.cross[view],
+            inner,
+            self.sums.log_det - float(self.log_det_poses[view]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Sums:
+    """What views add together; fields as of `Views`, `log_det` that of the poses."""
+
+    gram: Array
+    cross: Array
+    inner: Array
+    log_det: float
+
+    def turned(self, basis: Array) -> Sums:
+        """Give offsets by other coordinates of the target, of which `basis` makes its points."""
+        return replace(self, cross=basis.T @ self.cross, inner=basis.T @ self.inner @ basis)
+
 
 def reduce(
     stack: Stacked, data: Observations, shared: Shared, *, offsets: bool, damping: float = 0.0
@@ -75,56 +110,61 @@ def reduce(
     columns = np.concatenate([stack.by_pose, stack.by_lens, stack.residuals[..., None]], axis=-1)
     flat = columns.reshape(v, n, -1)  # both axes side by side: the noise mixes places, not axes
     weighted = shared.apply(flat).reshape(columns.shape)
-    gram = np.einsum("vnak,vnal->vkl", columns, weighted, optimize=True)
+    gram = _across(columns.reshape(v, 2 * n, -1), weighted.reshape(v, 2 * n, -1))
     precision, pose_cross = gram[:, :6, :6], gram[:, :6, 6:]
     precision = precision * (1 + damping * np.eye(6))
     solved = np.linalg.solve(precision, pose_cross)
-    rest = gram[:, 6:, 6:] - np.swapaxes(pose_cross, 1, 2) @ solved
+    rest = gram[:, 6:, 6:] - _across(pose_cross, solved)
     if not offsets:
         none = np.zeros((v, 0, d + 1))
         empty = np.zeros((0, 0))
         return Views(rest, none, empty, precision, pose_cross, np.zeros((v, 6, 0)))
-    m = 3 * len(data.target)
     # G' R^-1 [P, J, e]: each point of the target meets the places where it was seen.
-    met = np.einsum("vnai,vnak->vnik", stack.by_target, weighted)
-    scattered = np.zeros((v, len(data.target), 3, d + 7))
-    np.add.at(scattered, (np.arange(v)[:, None], data.which), met)
-    scattered = scattered.reshape(v, m, d + 7)
-    pose_offset = np.swapaxes(scattered[..., :6], 1, 2)
-    cross = scattered[..., 6:] - scattered[..., :6] @ solved
-    inner = _inner(stack, data, shared)
-    inner -= np.einsum(
-        "vpi,vpj->ij", pose_offset, np.linalg.solve(precision, pose_offset), optimize=True
-    )
+    met = data.by_target(stack.by_target.swapaxes(2, 3) @ weighted).reshape(v, -1, d + 7)
+    pose_offset = met[..., :6].swapaxes(1, 2)
+    cross = met[..., 6:] - met[..., :6] @ solved
+    whitened = (np.linalg.inv(np.linalg.cholesky(precision)) @ pose_offset).reshape(6 * v, -1)
+    inner = _inner(stack, data, shared) - whitened.T @ whitened
     return Views(rest, cross, inner, precision, pose_cross, pose_offset)
+
+
+def _across(one: Array, other: Array) -> Array:
+    """Products of columns, view by view: ``(n_views, k, l)`` of ``(n_views, n, k)`` and of l."""
+    return np.asarray(one.swapaxes(1, 2) @ other)
 
 
 def _inner(stack: Stacked, data: Observations, shared: Shared) -> Array:
     """G' R^-1 G over all views, ``(3 n_target, 3 n_target)``."""
-    m, n = len(data.target), data.which.shape[1]
-    total = np.zeros((m, 3, m, 3))
-    alike = bool((data.which == data.which[0]).all() and data.seen.all())
-    flat = stack.by_target.transpose(0, 1, 3, 2).reshape(data.n_views, 3 * n, 2)
-    summed = np.zeros((n, 3, n, 3))
-    for v in range(data.n_views):
-        which = data.which[v]
-        if shared.inverse is None:
-            slope = stack.by_target[v][data.seen[v]]
-            # A view shows each point once.
-            total[which[data.seen[v]], :, which[data.seen[v]]] += np.einsum(
-                "nai,naj->nij", slope, slope
-            )
-            continue
-        block = (flat[v] @ flat[v].T).reshape(n, 3, n, 3) * shared.inverse[v][:, None, :, None]
-        if alike:
-            summed += block
-        else:
-            seen = data.seen[v]
-            block = block[seen][:, :, seen].transpose(0, 2, 1, 3)
-            total[which[seen][:, None], :, which[seen][None, :], :] += block
-    if alike and shared.inverse is not None:
-        total[data.which[0][:, None], :, data.which[0][None, :], :] += summed.transpose(0, 2, 1, 3)
-    return total.reshape(3 * m, 3 * m)
+    m, (v, n) = len(data.target), data.which.shape
+    if shared.inverse is None:
+        points = stack.by_target.swapaxes(2, 3) @ stack.by_target
+        blocks = np.zeros((m, 3, m, 3))
+        at = np.arange(m)
+        blocks[at, :, at] = data.by_target(points).sum(axis=0)
+        return blocks.reshape(3 * m, 3 * m)
+    flat = stack.by_target.swapaxes(2, 3).reshape(v, 3 * n, 2)
+    if data.alike:
+        sides = flat.swapaxes(0, 1).reshape(3 * n, 2 * v)
+        blocks = (sides @ sides.T).reshape(n, 3, n, 3) * shared.inverse[0][:, None, :, None]
+        total = np.zeros((m, 3, m, 3))
+        total[np.ix_(data.which[0], range(3), data.which[0], range(3))] = blocks
+        return total.reshape(3 * m, 3 * m)
+    total = np.zeros((3 * m, 3 * m))
+    for view in range(v):
+        at, block = _block(stack, data, shared, view)
+        total[np.ix_(at, at)] += block
+    return total
+
+
+def _block(stack: Stacked, data: Observations, shared: Shared, view: int) -> tuple[IntArray, Array]:
+    """G' R^-1 G of a view, and its rows of `_inner`."""
+    seen = data.seen[view]
+    at = (3 * data.which[view, seen][:, None] + np.arange(3)).ravel()
+    n = len(at) // 3
+    noise = np.eye(n) if shared.inverse is None else shared.inverse[view][np.ix_(seen, seen)]
+    sides = stack.by_target[view, seen].swapaxes(1, 2).reshape(3 * n, 2)
+    block = (sides @ sides.T).reshape(n, 3, n, 3) * noise[:, None, :, None]
+    return at, block.reshape(3 * n, 3 * n)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,21 +193,28 @@ class Reduced:
     offset_step: Array
 
 
-def eliminate(views: Views, root: Array | None) -> Reduced:
-    """Sum the views and eliminate the target's offsets.
+def eliminate(sums: Sums, root: Array | None) -> Reduced:
+    """Eliminate the target's offsets.
 
     Parameters
     ----------
     root : Array or None
-        Of the offsets' covariance, ``(3 n_target, q)``.
+        Of the offsets' covariance, ``(3 n_target, q)``; where it is diagonal its diagonal,
+        ``(3 n_target,)``.
     """
-    gram = views.gram.sum(axis=0)
-    log_det = float(views.log_det_poses.sum())
+    gram, log_det = sums.gram, sums.log_det
     step = np.zeros((0, gram.shape[1]))
     if root is not None:
-        cross = root.T @ views.cross.sum(axis=0)
-        block = np.eye(root.shape[1]) + root.T @ views.inner @ root
-        factor = cho_factor(block, lower=True)
+        if root.ndim == 1:
+            some = np.flatnonzero(root)
+            scale = root[some, None]
+            cross, inner = (
+                scale * sums.cross[some],
+                scale * sums.inner[np.ix_(some, some)] * scale.T,
+            )
+        else:
+            cross, inner = root.T @ sums.cross, root.T @ sums.inner @ root
+        factor = cho_factor(np.eye(len(inner)) + inner, lower=True)
         step = cho_solve(factor, cross)
         gram = gram - cross.T @ step
         log_det += 2 * float(np.log(np.diag(factor[0])).sum())

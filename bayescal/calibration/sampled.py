@@ -9,6 +9,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
+from bayescal.calibration.expansion import Expansion
 from bayescal.calibration.laplace import SIGMA_BOUNDS, degrees
 from bayescal.prior.strength import Strength
 
@@ -19,11 +20,16 @@ class SampledLens:
 
     Attributes
     ----------
-    problem : Problem
+    density : Problem or Expansion
         Settled.
     """
 
-    problem: Problem
+    density: Problem | Expansion
+
+    @property
+    def problem(self) -> Problem:
+        """The lens under its error model."""
+        return self.density if isinstance(self.density, Problem) else self.density.problem
 
     @property
     def dimension(self) -> int:
@@ -39,7 +45,7 @@ class SampledLens:
 
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior, ``(n_draws,)``."""
-        return self.problem.log_prob(theta)
+        return self.density.log_prob(theta)
 
     def starts(self) -> Array:
         """Where the problem was linearised."""
@@ -50,7 +56,7 @@ class SampledLens:
         columns = [theta]
         if self.problem.level.sigma is None:
             low, high = (math.log(b) for b in SIGMA_BOUNDS)
-            squares = self.problem.squares(theta)
+            squares = self.density.squares(theta)
             columns.append(
                 Strength((low, high), degrees(self.problem.data)).draw(squares, rng)[:, None]
             )
@@ -68,4 +74,4 @@ class SampledLens:
 
     def log_likelihood(self, full: Array) -> Array:
         """Log density of all views together: poses are integrated, so no point stands alone."""
-        return self.problem.log_likelihood(full[:, : self.dimension])[0][:, None]
+        return self.density.log_likelihood(full[:, : self.dimension])[:, None]

@@ -85,12 +85,20 @@ def bowl(data: Observations, at: Array) -> Array:
 
 
 def camera_points(model: LensModel, data: Observations, bow: Array, poses: Poses) -> Array:
-    """Points in the camera's frame, ``(..., n_views, n_places, 3)``."""
-    rays = data.world @ np.swapaxes(poses.rotation, -1, -2) + poses.translation[..., None, :]
+    """Points in the camera's frame, ``(..., n_views, n_places, 3)``; each axis is contiguous."""
+    shape = np.broadcast_shapes(poses.rotation.shape[:-3], bow.shape[:-1])
+    parts = [poses.rotation, poses.translation[..., None]]
+    features = [data.world, np.ones((*data.which.shape, 1))]
     if model.bow:
-        depth = np.einsum("vnb,...b->...vn", bowl(data, data.world), bow)
-        rays = rays + depth[..., None] * poses.rotation[..., None, :, 2]
-    return np.asarray(rays)
+        parts.append(poses.rotation[..., 2:] * bow[..., None, None, :])
+        features.append(bowl(data, data.world))
+    # One product per axis, of all draws of a view at once.
+    by_view = np.moveaxis(np.concatenate(features, axis=-1), -1, -2)
+    moved = np.concatenate(parts, axis=-1).reshape(-1, data.n_views, 3, by_view.shape[1])
+    out = np.empty((3, len(moved), *data.which.shape))
+    for axis in range(3):
+        np.matmul(moved[:, :, axis].swapaxes(0, 1), by_view, out=out[axis].swapaxes(0, 1))
+    return np.moveaxis(out.reshape(3, *shape, *data.which.shape), 0, -1)
 
 
 def residuals(
@@ -114,17 +122,23 @@ def residuals(
     """
     intrinsics, k, bow = model.physical(x)
     rays = camera_points(model, data, bow, poses)
-    flat = rays.reshape(*rays.shape[:-3], -1, 3)
+    shape = rays.shape[:-1]
+    # The axes of rays and of the image stay apart in memory, as `camera_points` has them.
+    flat = np.moveaxis(np.moveaxis(rays, -1, 0).reshape(3, *shape[:-2], -1), 0, -1)
+    misfit = np.empty((2, *shape))
     with np.errstate(all="ignore"):
-        plane = model.lens.distort(flat, k).reshape(*rays.shape[:-1], 2)
-        scale, centre = intrinsics[..., None, None, :2], intrinsics[..., None, None, 2:]
-        misfit = (data.pixels - centre - scale * plane) * data.weight
-        visible = model.lens.seen(flat, k).reshape(rays.shape[:-1])
-    misfit = np.where(data.seen[..., None], misfit, 0.0)
-    possible = (visible | ~data.seen).all(axis=(-1, -2)) & np.isfinite(misfit).all(
-        axis=(-1, -2, -3)
-    )
-    return misfit, possible
+        plane = model.lens.distort(flat, k)
+        for axis in (0, 1):
+            scale, centre = intrinsics[..., axis, None, None], intrinsics[..., 2 + axis, None, None]
+            np.subtract(data.pixels[..., axis], centre, out=misfit[axis])
+            misfit[axis] -= scale * plane[..., axis].reshape(shape)
+            misfit[axis] *= data.weight[..., axis]
+        visible = model.lens.seen(flat, k).reshape(shape)
+    if not data.complete:
+        misfit[:, ..., ~data.seen] = 0.0
+        visible = visible | ~data.seen
+    finite = np.isfinite(misfit).all(axis=(0, -1, -2))
+    return np.moveaxis(misfit, 0, -1), visible.all(axis=(-1, -2)) & finite
 
 
 def stacked(model: LensModel, data: Observations, x: Array, poses: Poses) -> Stacked:
@@ -159,3 +173,28 @@ def stacked(model: LensModel, data: Observations, x: Array, poses: Poses) -> Sta
     by_lens = np.where(here, by_lens, 0.0)
     possible = bool((visible | ~data.seen).all() and np.isfinite(misfit).all())
     return Stacked(misfit, by_lens, np.concatenate([by_turn, slope], axis=-1), by_target, possible)
+
+
+def pose_slopes(model: LensModel, data: Observations, x: Array, poses: Poses) -> Array:
+    """Weighted derivatives of the prediction by the poses at many lenses.
+
+    Parameters
+    ----------
+    x : Array
+        ``(n_draws, dimension)``.
+    poses : Poses
+        Of as many draws.
+
+    Returns
+    -------
+    Array
+        ``(n_draws, n_views, n_places, 2, 6)``, as `Poses.moved` steps.
+    """
+    intrinsics, k, bow = model.physical(x)
+    rays = camera_points(model, data, bow, poses)
+    with np.errstate(all="ignore"):
+        found = model.lens.jacobian(rays.reshape(len(x), -1, 3), k)
+    by_point = intrinsics[:, None, None, :2, None] * found.by_ray.reshape(*rays.shape[:-1], 2, 3)
+    by_point = np.where(data.seen[..., None, None], by_point * data.weight[..., None], 0.0)
+    turned = rays - poses.translation[..., None, :]
+    return np.concatenate([np.cross(turned[..., None, :], by_point), by_point], axis=-1)

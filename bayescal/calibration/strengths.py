@@ -11,6 +11,7 @@ from bayescal.calibration.lens_model import LensModel
 
 NODES = {1: 16, 2: 16, 3: 9}  # a group, by the number of groups
 FEWEST = 5
+COARSE = 6  # nodes of each while modes are looked for and error models compared
 
 
 @dataclass(frozen=True, eq=False)

@@ -186,8 +186,9 @@ def _drawn(best: JudgedLens, setting: Setting, request: LensRequest, settings: S
     problem = best.evidence.problem
     for_chains, for_draws = best.key.rng(settings.seed, 1).spawn(2)
     guess, averaged = Guess(*proposal(problem)), ErrorAverage(best.evidence, setting)
+    model = SampledLens(best.evidence.density)
     return Drawn(
-        sample_model(SampledLens(problem), for_chains, settings.ess, guess, request.draws),
+        sample_model(model, for_chains, settings.ess, guess, request.draws),
         averaged.draws(for_draws, request.draws),
         averaged.covariance(),
         halves(problem),

@@ -118,7 +118,7 @@ class LensesKind(RunKind[LensComparison]):
             setting = Setting.of(data, level, independent=request.independent)
             lenses = kept.lenses(setting, request)
             best = lenses[0]
-            model = SampledLens(best.evidence.problem)
+            model = SampledLens(best.evidence.density)
             posterior = run.read_draws(best.key.file(), lambda d: unpack_sampled(d, model))
             drawn = Drawn(posterior, kept.draws, kept.covariance, kept.halves)
             impossible, failures = kept.names("impossible"), kept.names("failures")

@@ -1,0 +1,123 @@
+r"""The density with residuals to second order in the lens: its cost knows no number of points.
+
+With u the lens in the posterior's deviations and terms f(u) = (1, u_i, u_i^2, u_i u_j), residuals
+are e(u) = sum_k f_k(u) e_k, and their sum of squares, poses and offsets eliminated, is a quartic:
+
+    S(u) = f(u)' Q f(u),    Q_kl = e_k' M e_l,
+
+M the metric of what they leave (`Problem.products`). The e_k come from residuals at u = 0, one
+step up and down along each axis, and at the corners between each two.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from bayescal.arrays import Array
+from bayescal.calibration.density import Problem, both_sides
+from bayescal.calibration.stacking import residuals
+
+CHECKED = 30  # lenses where it is compared with the density
+NEAR = 0.05  # nat: root mean square over the posterior that it may be off
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """Residuals of a problem to second order about its lens.
+
+    Attributes
+    ----------
+    x : Array
+        Where u = 0, ``(dimension,)``.
+    root : Array
+        Steps of x for u = 1, ``(dimension, dimension)``, lower triangular.
+    values : Array
+        The e_k, ``(n_terms, n_views, n_places, 2)``.
+    slopes : Array
+        By the poses a step up and down each axis, ``(2 dimension, n_views, n_places, 2, 6)``.
+    """
+
+    x: Array
+    root: Array
+    values: Array
+    slopes: Array
+
+    @classmethod
+    def of(cls, problem: Problem) -> Terms | None:
+        """Find them; None where a point can't be seen from one of the lenses."""
+        root, d = problem.spread, problem.model.dimension
+        one, other = np.triu_indices(d, 1)
+        ends = np.eye(d)
+        u = np.concatenate([np.zeros((1, d)), ends, -ends, ends[one] + ends[other]])
+        x = problem.x + u @ root.T
+        found, possible = residuals(problem.model, problem.data, x, problem.poses_at(x))
+        if not possible.all():
+            return None
+        middle, up, down, corners = np.split(found, [1, d + 1, 2 * d + 1])
+        slope, bend = (up - down) / 2, (up + down) / 2 - middle
+        mixed = corners - up[one] - up[other] + middle
+        slopes = problem.slopes_at(x[1 : 2 * d + 1])
+        return cls(problem.x, root, np.concatenate([middle, slope, bend, mixed]), slopes)
+
+
+@dataclass(frozen=True, eq=False)
+class Expansion:
+    """The density of a problem by terms of its residuals.
+
+    Attributes
+    ----------
+    problem : Problem
+        Linearised where the terms were found, under this or another error model.
+    """
+
+    problem: Problem
+    terms: Terms
+
+    @cached_property
+    def _products(self) -> Array:
+        """The matrix Q, ``(n_terms, n_terms)``."""
+        return self.problem.products(self.terms.values)
+
+    @cached_property
+    def _log_det_response(self) -> tuple[Array, Array]:
+        return both_sides(self.problem.log_det_of(self.terms.slopes))
+
+    def _u(self, x: Array) -> Array:
+        return solve_triangular(self.terms.root, (x - self.terms.x).T, lower=True).T
+
+    def squares(self, x: Array) -> Array:
+        """Smallest sum of squares over poses and offsets, ``(n_draws,)``."""
+        u = self._u(x)
+        one, other = np.triu_indices(u.shape[1], 1)
+        f = np.concatenate([np.ones((len(u), 1)), u, u**2, u[:, one] * u[:, other]], axis=1)
+        return np.asarray(np.maximum(np.einsum("sk,sk->s", f @ self._products, f), 0.0))
+
+    def log_likelihood(self, x: Array) -> Array:
+        """Log likelihood with poses, offsets and sigma integrated, ``(n_draws,)``."""
+        u, (slope, bend) = self._u(x), self._log_det_response
+        return self.problem.likelihood_of(self.squares(x), u @ slope + u**2 @ bend)
+
+    def log_prob(self, x: Array) -> Array:
+        """Log likelihood times prior, ``(n_draws,)``."""
+        return self.log_likelihood(x) + self.problem.log_prior(x)
+
+    @property
+    def near(self) -> bool:
+        """Whether it is the problem's density over the posterior, by lenses drawn from it."""
+        rng = np.random.default_rng(0)
+        x = self.terms.x + rng.standard_normal((CHECKED, len(self.terms.x))) @ self.terms.root.T
+        off = self.log_likelihood(x) - self.problem.log_likelihood(x)
+        return bool(np.sqrt(np.mean(off**2)) <= NEAR)
+
+
+def expanded(problem: Problem) -> Problem | Expansion:
+    """Give the expansion of a settled problem where it is near, else the problem itself."""
+    terms = Terms.of(problem)
+    if terms is None:
+        return problem
+    found = Expansion(problem, terms)
+    return found if found.near else problem
