@@ -11,6 +11,7 @@ from scipy.stats import chi2
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.findings.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import GRAVE
+from bayescal.comparison.lenses.bound_caveats import sigma_bound, tau_bound
 from bayescal.comparison.lenses.results import Evidenced
 from bayescal.comparison.lenses.view_caveats import (
     by_place,
@@ -164,6 +165,8 @@ FINDINGS: tuple[Callable[[Evidenced], Finding | None], ...] = (
     undetermined,
     folds,
     edge,
+    sigma_bound,
+    tau_bound,
     sigma_unusual,
     loud_views,
     by_place,

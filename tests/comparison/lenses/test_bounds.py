@@ -1,0 +1,71 @@
+"""Sigma and tau of lenses at the bounds of their priors are said, and what tau's bound decides."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import bayescal as bc
+from bayescal.calibration import lens_model
+from bayescal.comparison.lenses.bound_caveats import LOWEST, lift
+from bayescal.comparison.lenses.results import LensComparison
+from tests.helpers import boards
+
+
+def found(k1: float, sigma: float, *lenses: str) -> LensComparison:
+    world, pixels = boards.pictures(
+        np.random.default_rng(1), 8, k=(k1, 0.0, 0.0, 0.0, 0.0), sigma=sigma
+    )
+    width, height = map(int, boards.SIZE)
+    views = bc.Views.from_arrays([world] * 8, list(pixels), width=width, height=height)
+    return bc.calibrate(views, lenses=lenses, independent=True, ess=100)
+
+
+@pytest.fixture(scope="module")
+def faint() -> LensComparison:
+    """Compare lenses on a distortion of 0.1 px at the corner, a sixth of tau's lower bound."""
+    return found(-0.0005, 0.02, "pinhole", "radial 1")
+
+
+def said(result: LensComparison) -> dict[str, tuple[str, bool]]:
+    return {f.kind: (f.text, f.withholds) for f in result.verdict.findings}
+
+
+def test_a_lower_bound_that_chooses_the_lens_withholds_the_verdict(faint: LensComparison) -> None:
+    text, withholds = said(faint)["tau-bound"]
+    assert faint.best.name == "pinhole"
+    assert withholds
+    assert "radial 1 would win over pinhole" in text
+    assert faint.verdict.status == "best compared"
+
+
+def test_what_another_bound_would_do_is_what_it_does(
+    faint: LensComparison, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Truth: the evidence under that prior, by its own importance draws."""
+    monkeypatch.setattr(lens_model, "WIDE", (LOWEST / boards.SIZE[0], 0.5))
+    again = found(-0.0005, 0.02, "pinhole", "radial 1")
+    before, after = faint["radial 1"], again["radial 1"]
+    error = math.hypot(before.log_evidence_error, after.log_evidence_error)
+    gain = after.log_evidence - before.log_evidence
+    assert lift(before) == pytest.approx(gain, abs=4 * error + 0.1)  # Laplace, 1000 draws
+    assert gain > 1
+    assert again.best.name == "radial 1"
+    assert "tau-bound" not in said(again)
+
+
+def test_a_strength_at_its_bound_is_said_and_a_strong_one_is_not(
+    lens_comparison: LensComparison,
+) -> None:
+    text, withholds = said(found(-0.002, 0.05, "pinhole", "radial 1"))["tau-bound"]
+    assert not withholds
+    assert "tau (radial) lies at its lower bound, 0.64 px" in text
+    assert "tau-bound" not in said(lens_comparison)
+
+
+def test_noise_below_all_that_the_prior_allows_withholds_the_verdict() -> None:
+    text, withholds = said(found(-0.28, 0.002, "radial 1", "radial 2"))["sigma-bound"]
+    assert withholds
+    assert "100 % of sigma's posterior lies at its lower bound, 0.01 px" in text
