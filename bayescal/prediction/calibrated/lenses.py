@@ -95,44 +95,30 @@ def _lens_draws(found: LensComparison, judged: JudgedLens, rng: np.random.Genera
 
 
 def _noise(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) -> NewNoise:
-    """Noise of a new measurement: that of the residuals, the target's errors in it."""
-    data, known = found.setting.data, found.setting.level.sigma
-    if known is not None:
-        log_sigma = np.full(KEPT, math.log(known))
-    else:
-        dof = degrees(data)
-        total = judged.rms**2 * data.n_points
-        log_sigma = np.log(total / rng.chisquare(dof, KEPT)) / 2
-    both, none = np.column_stack([log_sigma, log_sigma]), np.empty((KEPT, 2, 0))
-    return NewNoise(both, none, neighbours=_neighbours(found, judged, np.exp(log_sigma), rng))
+    """Noise in a new view, with all that an error model has in it, the models averaged.
 
-
-def _neighbours(
-    found: LensComparison, judged: JudgedLens, alone: Array, rng: np.random.Generator
-) -> Array | None:
-    """Draw what neighbours share, the error models averaged; None where they share nothing.
-
-    The target's own errors count as each point's own; `alone` has the noise, ``(KEPT,)``, px,
-    where nothing is shared.
+    A view is as loud as one of those of the calibration; the target's own errors count as each
+    point's own.
     """
     setting, errors, best = found.setting, judged.evidence.errors, judged.evidence.problem
     shares = np.array(errors.weights)
     picked = rng.choice(len(shares), KEPT, p=shares / shares.sum())
-    out = np.column_stack([alone, np.zeros((KEPT, 2))])
+    level = np.empty((KEPT, 3))  # own, shared, px; length, the target's unit
     for i in np.unique(picked):
         error, rows = setting.grid.error(errors.nodes[i]), np.flatnonzero(picked == i)
-        if not error.correlated:
-            continue
+        sigma = np.full(len(rows), setting.level.sigma, dtype=np.float64)
         if setting.level.sigma is None:
-            squares = setting.problem(best.model, best.x, best.poses, errors.nodes[i]).reduced
+            reduced = setting.problem(best.model, best.x, best.poses, errors.nodes[i]).reduced
             drawn = rng.chisquare(degrees(setting.data), len(rows))
-            sigma = np.sqrt(squares.sum_of_squares / drawn)
-        else:
-            sigma = np.full(len(rows), setting.level.sigma)
-        out[rows, 0] = sigma * math.sqrt(1 + error.rough**2 + error.smooth**2)
-        out[rows, 1] = sigma * math.sqrt(error.correlated)
-        out[rows, 2] = error.length * setting.data.diagonal
-    return out if out[:, 1].any() else None
+            sigma = np.sqrt(reduced.sum_of_squares / drawn)
+        if setting.data.levels is not None:
+            sigma = sigma * rng.choice(setting.data.levels, len(rows))
+        level[rows, 0] = sigma * math.sqrt(1 + error.rough**2 + error.smooth**2)
+        level[rows, 1] = sigma * math.sqrt(error.correlated)
+        level[rows, 2] = error.length * setting.data.diagonal
+    total = np.log(np.hypot(level[:, 0], level[:, 1]))
+    both, none = np.column_stack([total, total]), np.empty((KEPT, 2, 0))
+    return NewNoise(both, none, neighbours=level if level[:, 1].any() else None)
 
 
 def named(key: str) -> tuple[str, dict[str, int | bool]]:
