@@ -29,8 +29,9 @@ from bayescal.comparison.outliers.records import (
     point_records,
 )
 from bayescal.comparison.outliers.rejection import RejectionRule
-from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
+from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy
 from bayescal.comparison.outliers.shared_errors import shared_errors
+from bayescal.comparison.outliers.treatments import Treatment
 from bayescal.comparison.settings import Settings, needs_sigma
 from bayescal.comparison.store import Store
 from bayescal.inference.sampled_posterior import SampledPosterior

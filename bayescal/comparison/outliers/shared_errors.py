@@ -10,6 +10,7 @@ import numpy as np
 from bayescal.arrays import Array, IntArray
 from bayescal.comparison.outliers.records import PointRecord
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.rounding import significant
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,40 @@ class SharedError:
     spread: float
     together: bool
     explained_by: float | None
+
+    @property
+    def where(self) -> str:
+        """The coordinates shared, in words."""
+        return ", ".join(f"{name} = {value:g}" for name, value in self.coordinates.items())
+
+    @property
+    def words(self) -> str:
+        """What points that err together tell."""
+        names = " and ".join([", ".join(self.points[:-1]), self.points[-1]])
+        line = (
+            f"points {names} share {self.where} and err by the same {significant(self.error)} px "
+            f"(to within {significant(self.spread, 1)} px): one wrong world value rather than "
+            "several misreadings"
+        )
+        if self.explained_by is None:
+            return line
+        name, stated = next(iter(self.coordinates.items()))
+        better = significant(stated + self.explained_by, 3)
+        return f"{line}; {name} = {better} in place of {stated:g} would explain it"
+
+    def beside(self, label: str) -> str:
+        """Say what sharing coordinates tells of one of the points, in a clause; else nothing."""
+        if label not in self.points:
+            return ""
+        if self.good:
+            several = len(self.good) > 1
+            return (
+                f"; {'points' if several else 'point'} {', '.join(self.good[:4])} with the same "
+                f"{self.where} {'do' if several else 'does'} not err, so that a misread pixel is "
+                "likelier than a wrong world value"
+            )
+        others = ", ".join(name for name in self.points if name != label)
+        return f"; it shares {self.where} with {others}, but they err differently" if others else ""
 
 
 def shared_errors(

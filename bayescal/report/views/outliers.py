@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from bayescal.comparison.outliers.records import PointRecord
-from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy, Treatment
+from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy
+from bayescal.comparison.outliers.treatments import Treatment
 from bayescal.report.blocks import (
     Answer,
     Answers,
