@@ -1,4 +1,4 @@
-"""What the numerical tests share: the thesis comparison, sampled once."""
+"""What the numerical tests share: comparisons of the thesis, sampled once."""
 
 from __future__ import annotations
 
@@ -20,6 +20,12 @@ def one_thread():
 def thesis_comparison() -> Comparison:
     """Orders 1 to 5 of both axes of the thesis data, with every default."""
     return bc.compare(bc.thesis())
+
+
+@pytest.fixture(scope="session")
+def thesis_defended() -> Comparison:
+    """The same with a defence."""
+    return bc.compare(bc.thesis(), defend=True)
 
 
 @pytest.fixture(scope="session")

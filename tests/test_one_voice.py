@@ -18,10 +18,12 @@ import bayescal as bc
 from bayescal.cli import main
 from bayescal.report.figures.comparison.verdict import alt_text
 from bayescal.report.figures.subject import Subject
+from tests.helpers.command import here
 
 F, K1, SIGMA = 3000.0, -0.1, 0.5
 CAMERA = ["--camera-position", "0", "0", "0", "--image-width", "1920", "--image-height", "1080"]
 EFFORT = ["--c-from-bottom", "--ess", "400"]
+ORDERS = ["--orders", "1-3"]
 
 
 @pytest.fixture(scope="module")
@@ -47,10 +49,11 @@ def points_file(tmp_path_factory) -> Path:
 def document(points_file, tmp_path_factory) -> dict:
     """The result document of ``compare``, and the run beside it."""
     folder = tmp_path_factory.mktemp("run")
-    command = ["compare", str(points_file), *CAMERA, *EFFORT, "--out", str(folder / "run")]
-    assert main([*command, "--json", str(folder / "result.json"), "--quiet"]) == 0
+    command = ["compare", points_file, *CAMERA, *EFFORT, *ORDERS, "--out", folder / "run"]
+    done = here(*command, "--json", folder / "result.json")
+    assert done.code == 0
     found = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    found["run"] = str(folder / "run")
+    found["run"], found["printed"] = str(folder / "run"), done.out
     return found
 
 
@@ -75,9 +78,8 @@ def test_the_other_model_comes_first_and_nothing_is_decided(document):
         assert "decided at 95%" not in verdict["text"]
 
 
-def test_the_terminal_says_it_all(document, points_file, capsys):
-    assert main(["compare", str(points_file), *CAMERA, *EFFORT]) == 0
-    shown = plain(capsys.readouterr().out)
+def test_the_terminal_says_it_all(document):
+    shown = plain(document["printed"])
     assert [text for text in said(document) if plain(text) not in shown] == []
 
 

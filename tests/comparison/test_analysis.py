@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import bayescal as bc
-from tests.helpers.problems import THESIS_MODELS
+from tests.helpers.problems import ORDERS
 from tests.helpers.strategies import settings_for
 
 ROOT = Path(bc.__file__).resolve().parents[1]
@@ -44,9 +44,9 @@ def draws(result, axis: str, order: int) -> bytes:
 
 
 def test_the_same_seed_gives_the_same_bytes(thesis_comparison):
-    again = bc.compare(bc.thesis())
-    for axis, order in THESIS_MODELS:
-        assert draws(again, axis, order) == draws(thesis_comparison, axis, order)
+    again = bc.compare(bc.thesis(), axis="r")
+    for order in ORDERS:
+        assert draws(again, "r", order) == draws(thesis_comparison, "r", order)
 
 
 def test_another_seed_gives_other_draws():

@@ -30,8 +30,8 @@ HEAVY = pytest.mark.filterwarnings(
 
 
 @pytest.fixture(scope="module")
-def result() -> Comparison:
-    return bc.compare(bc.thesis(), defend=True, hint=False)
+def result(thesis_defended: Comparison) -> Comparison:
+    return thesis_defended
 
 
 @pytest.fixture(scope="module")

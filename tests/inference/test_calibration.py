@@ -66,23 +66,23 @@ def adjusted(order: int, *, shrink: float) -> np.ndarray:
     return holm(p_values(ranks(posteriors(order), shrink), BINS))
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("order", [1, 3])
 def test_ranks_of_the_truths_are_uniform(order):
     """Family-wise level 1e-3 over the parameters, sigma, tau and the log density."""
-    assert adjusted(order, shrink=1.0).min() > LEVEL / 3  # three orders share the level
+    assert adjusted(order, shrink=1.0).min() > LEVEL / 2  # two orders share the level
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("order", [1, 3])
 def test_deviations_30_percent_too_small_are_rejected(order):
     """Negative control: the same draws, shrunk about their means; every coefficient shows it."""
     p = adjusted(order, shrink=0.7)
-    assert (p[: order + 1] < LEVEL / 3).all()
+    assert (p[: order + 1] < LEVEL / 2).all()
 
 
 def test_shifted_posteriors_are_rejected():
     """Negative control: draws half a deviation too high."""
     rows = [(draws + 0.5 * draws.std(axis=0) < truth).sum(axis=0) for truth, draws in posteriors(3)]
-    assert (holm(p_values(np.array(rows), BINS))[:4] < LEVEL / 3).all()
+    assert (holm(p_values(np.array(rows), BINS))[:4] < LEVEL / 2).all()
 
 
 def test_holm_is_the_step_down_rule():

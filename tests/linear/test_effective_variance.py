@@ -19,7 +19,7 @@ from bayescal.noise.level import NoiseLevel
 from bayescal.polynomials.separable import axis_data
 
 TRUTH = np.array([986.0, 1066.0, -23.0, -96.0, 203.0])  # px, near the thesis's r
-PIXEL_SIGMA, WORLD_SIGMA, SETS = 0.5, 1.0, 1000
+PIXEL_SIGMA, WORLD_SIGMA, SETS = 0.5, 1.0, 700
 
 
 @pytest.fixture(scope="module")
@@ -52,10 +52,11 @@ def test_intervals_cover_the_truth_where_plain_pixel_noise_fails(thesis):
     """95 % within 4 binomial standard errors for each coefficient; control: no world errors."""
     rng = np.random.default_rng(4)
     with_errors, plain = [], []
-    for _ in range(SETS):
+    for i in range(SETS):
         data = simulated(thesis, rng)
         with_errors.append(covered(data))
-        plain.append(covered(dataclasses.replace(data, x_sd=None)))
+        if i % 10 == 0:
+            plain.append(covered(dataclasses.replace(data, x_sd=None)))
     error = np.sqrt(0.95 * 0.05 / SETS)
     assert (np.abs(np.mean(with_errors, axis=0) - 0.95) < 4 * error).all()
     assert (np.mean(plain, axis=0) < 0.7).all()

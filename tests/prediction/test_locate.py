@@ -11,7 +11,7 @@ from scipy import stats
 import bayescal as bc
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.inverse import rays, solutions
-from bayescal.prediction.calibrated.members import PolynomialMember
+from bayescal.prediction.calibrated.members import Parameters, PolynomialMember
 from bayescal.prediction.columns import location_columns, pair_columns
 from bayescal.prediction.given import Surface
 from bayescal.prediction.locate import locate, weighted_quantile
@@ -126,20 +126,28 @@ def test_depth_counts_in_proportion(cameras):
     assert apart.parts["depth"][0] == pytest.approx(sd * length / AT, rel=0.02)
 
 
-def test_expanded_uncertainty_covers_as_stated():
-    """Truth: known distances on 40 calibrations and new pixels; 95 % of 400, 4 standard errors."""
-    inside, total = 0, 0
-    rng = np.random.default_rng(11)
-    world = np.array([[20.0, 10.0, AT], [-30.0, -15.0, AT]])
-    truth = np.linalg.norm(world[0] - world[1])
-    exact = np.column_stack([960 + 700 * world[:, 0] / AT / 0.6, 540 + 1000 * world[:, 1] / AT])
-    for seed in range(40):
-        camera = bc.camera(bc.fit(camera_points(30, noise=1.0, seed=seed), 1, 1, ess=100))
-        pixels = exact + rng.standard_normal((10, 2, 2))
-        found = distances(camera, pixels[:, 0], pixels[:, 1], Surface((0, 0, 1), AT))
-        inside += int((np.abs(found.values - truth) < found.expanded).sum())
-        total += len(pixels)
-    assert abs(inside / total - 0.95) < 4 * np.sqrt(0.95 * 0.05 / total)
+def test_expanded_uncertainty_covers_as_stated(cameras):
+    """Truth: known distances, by 60 calibrations of known posterior, 5 new pairs of pixels each.
+
+    Within 4 standard errors of 95 %; an expanded uncertainty 30 % too small would show.
+    """
+    camera, rng = cameras["separable"], np.random.default_rng(11)
+    member, world = camera.chosen, world_of("separable")[:2]
+    kept, length = member.parameters, np.linalg.norm(world[0] - world[1])
+    sure = replace(kept, draws=np.tile(kept.mean, (1000, 1)), root=0 * kept.root)
+    exact = predict(replace(camera, members=(replace(member, parameters=sure),)), world).mean
+    ratios = []
+    for sigma in np.exp(member.noise.log_sigma[::16][:60]):
+        mean = kept.mean + kept.root @ rng.standard_normal(len(kept.mean))
+        draws = mean + rng.standard_normal((1000, len(mean))) @ kept.root.T
+        own = replace(member, parameters=Parameters(mean, kept.root, draws, kept.exact))
+        pixels = exact + sigma * rng.standard_normal((5, 2, 2))
+        calibrated = replace(camera, members=(own,))
+        found = distances(calibrated, pixels[:, 0], pixels[:, 1], Surface((0, 0, 1), AT))
+        ratios.append((found.values - length) / found.expanded)
+    error = 4 * np.sqrt(0.95 * 0.05 / np.size(ratios))
+    assert abs((np.abs(ratios) < 1).mean() - 0.95) < error
+    assert (np.abs(ratios) < 0.7).mean() < 0.95 - error  # negative control
 
 
 def test_draws_without_a_distance_count_as_outside():

@@ -55,16 +55,18 @@ def test_a_narrow_prior_that_agrees_with_the_points_is_no_disagreement():
         assert said == (family == "separable"), "which is far from looking along z"
 
 
-@pytest.mark.parametrize(("family", "orders"), [("pinhole", (0,)), ("separable", (1, 1))])
-def test_a_sigma_at_the_bound_of_its_prior_is_said(family, orders):
+@pytest.mark.parametrize("position", ["free", "stated"])
+def test_a_sigma_at_the_bound_of_its_prior_is_said(position):
     """Of draws, and in closed form."""
     points = bc.thesis()
     scattered = points.pixels + np.random.default_rng(0).normal(0, 5000, (57, 2))
     wide = replace(points.setup, width=1e5, height=1e5)
-    found = bc.fit_family(replace(points, pixels=scattered, setup=wide), family, orders, ess=100)
+    off = replace(points, pixels=scattered, setup=wide)
+    found = bc.fit_family(off, "separable", (1, 1), position=position, ess=100)
+    assert (found.best.posterior is None) == (position == "stated")
     assert any(
         "sigma_r's posterior lies at its bound, 1000 px" in caveat
         for caveat in found.verdict.caveats
     )
-    plain = bc.fit_family(points, family, orders, ess=100)
+    plain = bc.fit_family(points, "separable", (1, 1), position=position, ess=100)
     assert not any("its bound" in caveat for caveat in plain.verdict.caveats)

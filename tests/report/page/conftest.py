@@ -10,23 +10,16 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, sync_playwright
 
-import bayescal as bc
 from bayescal.comparison.results import Comparison
 from bayescal.report.page.page import html, page_of
 from bayescal.report.page.pdf import BROWSERS
 
 
 @pytest.fixture(scope="session")
-def defended() -> Comparison:
-    """The thesis data with every default and a defence."""
-    return bc.compare(bc.thesis(), defend=True)
-
-
-@pytest.fixture(scope="session")
-def thesis_page(defended: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def thesis_page(thesis_defended: Comparison, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The report of the thesis data."""
     path = tmp_path_factory.mktemp("page") / "report.html"
-    path.write_text(html(page_of(defended, "bayescal report")), encoding="utf-8")
+    path.write_text(html(page_of(thesis_defended, "bayescal report")), encoding="utf-8")
     return path
 
 

@@ -31,10 +31,10 @@ def test_size(thesis_page: Path):
     assert thesis_page.stat().st_size < 3_000_000
 
 
-def test_numbers_are_the_result_documents(thesis_page: Path, defended: Comparison):
+def test_numbers_are_the_result_documents(thesis_page: Path, thesis_defended: Comparison):
     found = read(thesis_page.read_text(encoding="utf-8"))
     embedded = json.loads(found.scripts["result"])
-    expected = json.loads(json.dumps(comparison_document(defended, "bayescal report")))
+    expected = json.loads(json.dumps(comparison_document(thesis_defended, "bayescal report")))
     for made in (embedded, expected):
         made["provenance"].pop("created")
     assert embedded == expected
