@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bayescal.noise.choice import NOISE_MODELS
+from bayescal.noise import NAMES
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.world_errors import WorldErrors
 from bayescal.points.setup import AXES
@@ -17,7 +17,7 @@ PINHOLE = "pinhole"  # the family without a closed form
 POLYNOMIAL = "polynomial"  # of y over x, without any camera
 # Their places here, and those of the noise models, are part of the random numbers' seeds.
 FAMILIES = (separable.NAME, bivariate.NAME, PINHOLE)
-_NOISES = (*NOISE_MODELS, WorldErrors.name)
+_NOISES = (*NAMES[:3], WorldErrors.name, *NAMES[3:])  # in the order that they came in
 
 
 @dataclass(frozen=True)

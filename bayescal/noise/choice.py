@@ -1,16 +1,24 @@
-"""The noise models that can be asked for: one line each."""
+"""The noise models that can be asked for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 
 from bayescal.errors import InputError
-from bayescal.noise.gaussian import Gaussian
+from bayescal.noise import NAMES
 from bayescal.noise.model import NoiseModel
-from bayescal.noise.outlier_mixture import WIDTH_BOUNDS, OutlierMixture
-from bayescal.noise.student_t import StudentT
 from bayescal.noise.world_errors import WorldErrors
+
+NOISE_MODELS: dict[str, type[NoiseModel]] = {
+    name: import_module(f"bayescal.noise.{name.replace('-', '_')}").NOISE for name in NAMES
+}
+
+# Their names as they stand in a sentence.
+NOISE_WORDS = {
+    **{name: made.words for name, made in NOISE_MODELS.items()},
+    WorldErrors.name: WorldErrors.words,
+}
 
 
 @dataclass(frozen=True)
@@ -53,21 +61,5 @@ class NoiseChoice:
         pixel : float
             What stands for a pixel (`bayescal.points.pixel`).
         """
-        return NOISE_MODELS[self.name](self, pixel)
-
-
-NOISE_MODELS: dict[str, Callable[[NoiseChoice, float], NoiseModel]] = {
-    "gaussian": lambda _choice, _pixel: Gaussian(),
-    "student-t": lambda choice, _pixel: StudentT(choice.nu),
-    "outlier-mixture": lambda choice, pixel: OutlierMixture(
-        (WIDTH_BOUNDS[0] * pixel, WIDTH_BOUNDS[1] * pixel), choice.bad_offset
-    ),
-}
-
-# Their names as they stand in a sentence.
-NOISE_WORDS = {
-    "gaussian": "Gaussian",
-    "student-t": "Student-t",
-    "outlier-mixture": "mixture",
-    WorldErrors.name: "Gaussian, with errors of the world,",
-}
+        made = NOISE_MODELS[self.name]
+        return made.of(pixel, **{option: getattr(self, option) for option in made.options})

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -14,9 +16,33 @@ from bayescal.noise.model import scales
 class Gaussian:
     """Residuals are N(0, sigma^2); nothing else to infer."""
 
-    name = "gaussian"
+    name: ClassVar[str] = "gaussian"
+    words: ClassVar[str] = "Gaussian"
+    level: ClassVar[str] = "sigma"
+    options: ClassVar[tuple[str, ...]] = ()
+    columns: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    tells_bad: ClassVar[bool] = False
     parameters = ()
     dimension = 0
+
+    @classmethod
+    def of(cls, pixel: float, **options: Any) -> Self:  # noqa: ARG003 - nothing to choose
+        """Make it."""
+        return cls()
+
+    @property
+    def chosen(self) -> dict[str, Any]:
+        """Nothing is."""
+        return {}
+
+    def described(self, unit: str) -> str:
+        """Name it."""
+        return "Gaussian"
+
+    @property
+    def priors(self) -> dict[str, Any]:
+        """There are none beside sigma's."""
+        return {}
 
     def log_density(
         self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
@@ -54,6 +80,7 @@ class Gaussian:
         return np.ones(residual.shape)
 
 
+NOISE = Gaussian
 GAUSSIAN = Gaussian()
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Mapping
+from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
@@ -14,11 +15,47 @@ class NoiseModel(Protocol):
 
     The scale of point i is sigma times its own deviation, where it has one. A noise model
     without parameters has eta of shape ``(n_draws, 0)``.
+
+    Attributes
+    ----------
+    name : str
+        What the command line calls it: ``"gaussian"``, ``"student-t"``, ...
+    words : str
+        Its name as it stands in a sentence.
+    level : str
+        What sigma is, in words: ``"sigma"``, ``"its scale sigma"``.
+    options : tuple of str
+        Those of the user's options that it takes.
+    columns : mapping of str to (str, str)
+        Head of a table's column, and its meaning, of each of `parameters`.
+    tells_bad : bool
+        Whether it knows bad points.
     """
 
+    name: ClassVar[str]
+    words: ClassVar[str]
+    level: ClassVar[str]
+    options: ClassVar[tuple[str, ...]]
+    columns: ClassVar[Mapping[str, tuple[str, str]]]
+    tells_bad: ClassVar[bool]
+
+    @classmethod
+    def of(cls, pixel: float, **options: Any) -> Self:
+        """Make it, with `options`; `pixel` stands for a pixel (`bayescal.points.pixel`)."""
+        ...
+
     @property
-    def name(self) -> str:
-        """What the command line calls it: ``"gaussian"``, ``"student-t"``, ..."""
+    def chosen(self) -> dict[str, Any]:
+        """Its options, as `of` takes them."""
+        ...
+
+    def described(self, unit: str) -> str:
+        """Say what it is, with its priors; `unit` is of the residuals."""
+        ...
+
+    @property
+    def priors(self) -> dict[str, Any]:
+        """Bounds, priors and fixed values, as a result document names them."""
         ...
 
     @property
@@ -75,7 +112,7 @@ class NoiseModel(Protocol):
     ) -> Array | None:
         """Probability that each point is bad, given the draw, ``(n_draws, n_points)``.
 
-        None where the noise model knows no bad points.
+        None where the noise model does not tell bad points.
         """
         ...
 

@@ -13,7 +13,9 @@ offset / width, where it is inferred. Each is standard normal a priori.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from scipy.special import expit, log_ndtr, ndtr, ndtri
@@ -44,10 +46,50 @@ class OutlierMixture:
         The fraction of bad points is uniform from 0 to this.
     """
 
+    name: ClassVar[str] = "outlier-mixture"
+    words: ClassVar[str] = "mixture"
+    level: ClassVar[str] = "sigma"
+    options: ClassVar[tuple[str, ...]] = ("bad_offset",)
+    columns: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "bad_fraction": ("bad", "fraction of bad points"),
+        "bad_width": ("width px", "width of the bad points"),
+        "bad_offset": ("offset px", "offset of the bad points"),
+    }
+    tells_bad: ClassVar[bool] = True
+
     width_bounds: tuple[float, float] = WIDTH_BOUNDS
     infers_offset: bool = False
     largest_fraction: float = LARGEST_FRACTION
-    name = "outlier-mixture"
+
+    @classmethod
+    def of(cls, pixel: float, **options: Any) -> Self:
+        """Make it, the bounds of the width in what stands for a pixel."""
+        low, high = WIDTH_BOUNDS
+        return cls((low * pixel, high * pixel), bool(options.get("bad_offset")))
+
+    @property
+    def chosen(self) -> dict[str, Any]:
+        """Whether the bad points have an offset."""
+        return {"bad_offset": self.infers_offset}
+
+    def described(self, unit: str) -> str:
+        """Say what is uniform between which bounds."""
+        lower, upper = self.width_bounds
+        offset = "of an offset ~ N(0, width²)" if self.infers_offset else "without offset"
+        return (
+            f"mixture of good points and bad ones, whose fraction is uniform from 0 to "
+            f"{self.largest_fraction:g} and which are wider by a width, log-uniform from "
+            f"{lower:.4g} to {upper:.4g} {unit}, {offset}"
+        )
+
+    @property
+    def priors(self) -> dict[str, Any]:
+        """Bounds of fraction and width, and what the offset is."""
+        return {
+            "bad_fraction_bounds": [0.0, self.largest_fraction],
+            "bad_width_bounds_px": list(self.width_bounds),
+            "bad_offset": "inferred" if self.infers_offset else "zero",
+        }
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -132,3 +174,6 @@ class OutlierMixture:
         bad = self.bad_probability(residual, log_sigma, eta, sd)
         kept = expit(2 * (scales(log_sigma, sd) - self._log_width(eta)))
         return np.asarray(1 - bad * (1 - kept))
+
+
+NOISE = OutlierMixture

@@ -8,7 +8,9 @@ and infinite for nu <= 2.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from scipy.special import betaln
@@ -37,12 +39,41 @@ class StudentT:
         Degrees of freedom where they are fixed; None: inferred.
     """
 
+    name: ClassVar[str] = "student-t"
+    words: ClassVar[str] = "Student-t"
+    level: ClassVar[str] = "its scale sigma"
+    options: ClassVar[tuple[str, ...]] = ("nu",)
+    columns: ClassVar[Mapping[str, tuple[str, str]]] = {
+        "nu": ("nu", "degrees of freedom of Student-t noise"),
+    }
+    tells_bad: ClassVar[bool] = False
+
     nu: float | None = None
-    name = "student-t"
 
     def __post_init__(self) -> None:
         if self.nu is not None and not FIXED_NU[0] <= self.nu <= FIXED_NU[1]:
             raise InputError(f"nu must be from {FIXED_NU[0]:g} to {FIXED_NU[1]:g}, not {self.nu:g}")
+
+    @classmethod
+    def of(cls, pixel: float, **options: Any) -> Self:  # noqa: ARG003 - nu has no unit
+        """Make it, nu fixed or inferred."""
+        return cls(**options)
+
+    @property
+    def chosen(self) -> dict[str, Any]:
+        """A fixed nu."""
+        return {"nu": self.nu}
+
+    def described(self, unit: str) -> str:
+        """Name it and nu."""
+        inferred = f"~ Gamma(shape {SHAPE:g}, rate {RATE:g})"
+        return f"Student-t, nu {inferred if self.nu is None else f'= {self.nu:g}'}"
+
+    @property
+    def priors(self) -> dict[str, Any]:
+        """Nu's prior, or its value."""
+        inferred = {"kind": "gamma", "shape": SHAPE, "rate": RATE}
+        return {"nu": inferred if self.nu is None else {"kind": "fixed", "value": self.nu}}
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -107,3 +138,6 @@ class StudentT:
         nu = self._nu(eta)
         z = residual * np.exp(-scales(log_sigma, sd))
         return np.asarray((nu + 1) / (nu + z * z))
+
+
+NOISE = StudentT

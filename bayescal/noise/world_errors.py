@@ -8,6 +8,7 @@ Phys. 50, 912). The slope is found on a grid of ln sigma and interpolated in bet
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -30,7 +31,8 @@ class WorldErrors(Gaussian):
 
     log_sigma: Array
     variance: Array
-    name = "gaussian-world"
+    name: ClassVar[str] = "gaussian-world"
+    words: ClassVar[str] = "Gaussian, with errors of the world,"
 
     def carried(self, log_sigma: Array) -> Array:
         """Variance that the world's errors make at each draw, ``(n_draws, n_points)``, px^2."""

@@ -39,6 +39,18 @@ def test_every_noise_model_that_can_be_asked_for_keeps_the_contract():
 
 
 @every_model
+def test_what_is_said_of_it_is_of_all_it_has(model):
+    """Its options make it again; its parameters have columns; it tells bad points or says not."""
+    assert set(model.parameters) <= set(model.columns)
+    if getattr(model, "largest_fraction", 0.5) == 0.5:
+        assert type(model).of(1.0, **model.chosen) == model
+    assert set(model.chosen) == set(model.options)
+    eta = np.zeros((1, model.dimension))
+    told = model.bad_probability(np.zeros((1, 2)), np.zeros(1), eta)
+    assert (told is not None) == model.tells_bad
+
+
+@every_model
 def test_density_of_a_residual_integrates_to_1(model):
     """Quadrature over the residual, in units that show a tail out to 1e9 sigma."""
     rng = np.random.default_rng(1)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from bayescal.commands.shared.progress import Progress as Progress
 from bayescal.errors import InputError
+from bayescal.noise import NAMES
 
 if TYPE_CHECKING:
     from bayescal.points.chunks.many import ManyPoints
@@ -129,7 +130,7 @@ def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
     if choose:
         noise.add_argument(
             "--noise",
-            choices=("gaussian", "student-t", "outlier-mixture"),
+            choices=NAMES,
             help="shape of the noise: gaussian; student-t has heavy tails; outlier-mixture has "
             "good and bad points (gaussian; the others take longer)",
         )

@@ -13,8 +13,6 @@ from bayescal.inference.posterior import Posterior
 from bayescal.inference.weighting import WeightedDraws
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.noise.model import NoiseModel
-from bayescal.noise.outlier_mixture import OutlierMixture
-from bayescal.noise.student_t import StudentT
 from bayescal.prediction.calibrated.members import KEPT, Parameters
 from bayescal.prediction.calibrated.noise import NewNoise
 
@@ -115,8 +113,7 @@ def new_noise(
         log_sigma + np.array(usual),
         eta,
         model.name,
-        model.nu if isinstance(model, StudentT) else None,
-        isinstance(model, OutlierMixture) and model.infers_offset,
+        **model.chosen,
     )
 
 

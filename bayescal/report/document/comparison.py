@@ -10,9 +10,6 @@ import numpy as np
 from bayescal.comparison.orders.averaging import AveragedPrediction
 from bayescal.comparison.orders.sufficiency import Sufficiency
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.noise.model import NoiseModel
-from bayescal.noise.outlier_mixture import OutlierMixture
-from bayescal.noise.student_t import RATE, SHAPE, StudentT
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.document.defence import adequacy_rows, defence_document
 from bayescal.report.document.order import order_document
@@ -159,22 +156,8 @@ def _noise(axis: AxisComparison) -> dict[str, Any]:
         "reference_dof": reference.dof,
         "scatter_px": axis.scatter[0],
         "scatter_dof": axis.scatter[1],
-        **_options(axis.noise_model),
+        **axis.noise_model.priors,
     }
-
-
-def _options(noise: NoiseModel) -> dict[str, Any]:
-    """Give what a noise model has beside its level."""
-    if isinstance(noise, StudentT):
-        prior = {"kind": "gamma", "shape": SHAPE, "rate": RATE}
-        return {"nu": {"kind": "fixed", "value": noise.nu} if noise.nu is not None else prior}
-    if isinstance(noise, OutlierMixture):
-        return {
-            "bad_fraction_bounds": [0.0, noise.largest_fraction],
-            "bad_width_bounds_px": list(noise.width_bounds),
-            "bad_offset": "inferred" if noise.infers_offset else "zero",
-        }
-    return {}
 
 
 def _points(axis: AxisComparison) -> list[dict[str, Any]] | None:

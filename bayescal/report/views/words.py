@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from bayescal.comparison.results import AxisComparison
 from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.noise.model import NoiseModel
-from bayescal.noise.outlier_mixture import OutlierMixture
-from bayescal.noise.student_t import RATE, SHAPE, StudentT
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.rounding import counted
@@ -17,31 +15,19 @@ from bayescal.rounding import counted
 MARK = "?"
 # What folds a table away that says what a figure above it shows.
 IN_NUMBERS = "The same in numbers"
-NU_PRIOR = f"~ Gamma(shape {SHAPE:g}, rate {RATE:g})"
 
 
 def noise_words(axis: AxisComparison) -> str:
     """Name the noise model with its priors, and where its level comes from."""
-    words, level = shape_words(axis.noise_model, axis.data), axis.noise_source
-    own = "its scale " if isinstance(axis.noise_model, StudentT) else ""
-    joint = ";" if axis.noise_model.parameters or own else ","
-    return f"{words}{joint} {own}sigma {level}{level_words(axis.noise)}"
+    noise = axis.noise_model
+    plain = not noise.parameters and noise.level == "sigma"
+    words = f"{shape_words(noise, axis.data)}{',' if plain else ';'} {noise.level}"
+    return f"{words} {axis.noise_source}{level_words(axis.noise)}"
 
 
 def shape_words(noise: NoiseModel, data: AxisData | None = None) -> str:
     """Say what a noise model is, with its priors."""
-    unit = "units of y" if data is not None and data.axis == "y" else "px"
-    if isinstance(noise, StudentT):
-        return f"Student-t, nu {NU_PRIOR if noise.nu is None else f'= {noise.nu:g}'}"
-    if isinstance(noise, OutlierMixture):
-        lower, upper = noise.width_bounds
-        offset = "of an offset ~ N(0, width²)" if noise.infers_offset else "without offset"
-        return (
-            f"mixture of good points and bad ones, whose fraction is uniform from 0 to "
-            f"{noise.largest_fraction:g} and which are wider by a width, log-uniform from "
-            f"{lower:.4g} to {upper:.4g} {unit}, {offset}"
-        )
-    return "Gaussian"
+    return noise.described("units of y" if data is not None and data.axis == "y" else "px")
 
 
 def level_words(level: NoiseLevel) -> str:

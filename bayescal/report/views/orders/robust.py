@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from bayescal.comparison.results import AxisComparison, OrderResult
-from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.world_errors import WorldErrors
 from bayescal.report.numbers import point_chances
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
@@ -27,8 +26,12 @@ def robust_orders_table(axis: AxisComparison) -> Table:
     ]
     if axis.noise.value is None:
         columns.append((Column(level, "scale of the noise, posterior mean and sd"), _mean(level)))
-    columns += [(HEADS[name], _mean(name)) for name in axis.noise_model.parameters]
-    if isinstance(axis.noise_model, OutlierMixture):
+    heads = axis.noise_model.columns
+    columns += [
+        (Column(heads[name][0], f"{heads[name][1]}, posterior mean and sd"), _mean(name))
+        for name in axis.noise_model.parameters
+    ]
+    if axis.noise_model.tells_bad:
         columns.append((Column("bad points", "more probably bad than good"), _bad_points(axis)))
     columns += [
         (
@@ -56,19 +59,11 @@ def robust_footnotes(axis: AxisComparison) -> list[str]:
         f"{where}. ln Z by importance sampling, checked by bridge sampling; the other "
         "columns are posterior means ± sd.",
     ]
-    if isinstance(axis.noise_model, OutlierMixture):
+    if axis.noise_model.tells_bad:
         lines.append("Bad points: more probably bad than good, the worst first.")
     if any(r.warnings for r in axis.orders):
         lines.append(f"{MARK} marks an evidence that should not be trusted; the caveats say why.")
     return lines
-
-
-HEADS = {
-    "nu": Column("nu", "degrees of freedom of Student-t noise, posterior mean and sd"),
-    "bad_fraction": Column("bad", "fraction of bad points, posterior mean and sd"),
-    "bad_width": Column("width px", "width of the bad points, posterior mean and sd"),
-    "bad_offset": Column("offset px", "offset of the bad points, posterior mean and sd"),
-}
 
 
 def _size(result: OrderResult) -> Cell:
