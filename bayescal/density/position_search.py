@@ -208,4 +208,6 @@ def _differences(model: FreePositionModel, theta: Array, step: Array) -> tuple[f
         hessian = np.diag(2 * centre - up - down)
         hessian[i, j] = hessian[j, i] = (pm + mp - pp - mm) / 4
         gradient = (up - down) / 2
-    return float(centre), np.nan_to_num(gradient), np.nan_to_num(hessian)
+    # Beside an impossible position: no slope, and the curvature of the steps' own making.
+    gradient = np.where(np.isfinite(gradient), gradient, 0.0)
+    return float(centre), gradient, np.where(np.isfinite(hessian), hessian, SHARE**2 * np.eye(3))
