@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.comparison.criteria.information import ACROSS, CRITERIA
 from bayescal.comparison.criteria.pointwise import gaussian_density
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import arviz_object
@@ -42,9 +43,7 @@ def orders_frame(orders: Iterable[tuple[str, OrderResult]]) -> pd.DataFrame:
             "sigma_hat": found.fit.sigma_hat,
             "chi2": found.goodness.chi2,
             "dof": found.fit.dof,
-            "aic": found.criteria.aic,
-            "aicc": found.criteria.aicc,
-            "bic": found.criteria.bic,
+            **{c.key: found.criteria.values.get(c.key) for c in CRITERIA},
             "log_evidence": found.log_evidence,
             "probability": found.probability,
             "elpd": None if found.loo is None else found.loo.elpd,
@@ -193,8 +192,7 @@ def models_frame(models: Iterable[Any]) -> pd.DataFrame:
             "position": found.key.position,
             "p": found.criteria.n_parameters,
             "chi2": None if found.goodness is None else found.goodness.chi2,
-            "aic": found.criteria.aic,
-            "bic": found.criteria.bic,
+            **{c.key: found.criteria.values.get(c.key) for c in ACROSS},
             "log_evidence": found.log_evidence,
             "log_evidence_error": found.log_evidence_error,
             "probability": found.probability,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.report.document.shared import finite, points_facts, provenance
 from bayescal.reproduction.results import (
     AxisReproduction,
@@ -107,9 +108,7 @@ def _fit(fit: ThesisFit) -> dict[str, Any]:
         "dof": fit.fit.dof,
         "n_parameters": found.n_parameters,
         "log_likelihood_max": found.log_likelihood,
-        "aic": found.aic,
-        "aicc": found.aicc,
-        "bic": found.bic,
+        **{c.key: found.values.get(c.key) for c in CRITERIA},
         "exact_fit": fit.fit.exact,
     }
 

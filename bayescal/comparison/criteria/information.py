@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 
 from bayescal.arrays import LOG_2PI
 from bayescal.linear.least_squares import LeastSquaresFit
@@ -12,29 +12,100 @@ from bayescal.noise.level import NoiseLevel
 
 
 @dataclass(frozen=True)
+class Criterion:
+    """An information criterion.
+
+    Attributes
+    ----------
+    key : str
+        In documents and data frames.
+    name : str
+        In tables; they show how far it lies above the smallest.
+    meaning : str
+        For a table's column.
+    value : callable
+        Of -2 lnL, K, n and whether sigma is inferred; None where it is undefined.
+    across : bool
+        Whether it compares models of r and c together, of one family and of several.
+    """
+
+    key: str
+    name: str
+    meaning: str
+    value: Callable[[float, int, int, bool], float | None]
+    across: bool = True
+
+
+def _aic(minus_2_log_l: float, k: int, _n: int, _inferred: bool) -> float:
+    return minus_2_log_l + 2 * k
+
+
+def _aicc(minus_2_log_l: float, k: int, n: int, inferred: bool) -> float | None:
+    spare = n - k - 1
+    if not inferred or spare <= 0:
+        return None
+    return minus_2_log_l + 2 * k + 2 * k * (k + 1) / spare
+
+
+def _bic(minus_2_log_l: float, k: int, n: int, _inferred: bool) -> float:
+    return minus_2_log_l + k * math.log(n)
+
+
+# A criterion is one entry here: tables, documents and data frames show what is listed.
+CRITERIA = (
+    # Akaike 1974.
+    Criterion("aic", "AIC", "Akaike's criterion, -2 ln L + 2K", _aic),
+    # Hurvich & Tsai 1989; where sigma is inferred and n > K + 1, and not across families.
+    Criterion("aicc", "AICc", "AIC corrected for few points", _aicc, across=False),
+    # Schwarz 1978.
+    Criterion("bic", "BIC", "Schwarz's criterion, -2 ln L + K ln n, n points", _bic),
+)
+ACROSS = tuple(c for c in CRITERIA if c.across)
+
+
+@dataclass(frozen=True)
 class Criteria:
-    """Likelihood criteria of one order; all None for an exact fit.
+    """Likelihood criteria of one model; nothing but K for an exact fit.
 
     Attributes
     ----------
     n_parameters : int
-        K: coefficients, plus one where sigma is inferred.
+        K: coefficients, plus one for each sigma that is inferred.
     log_likelihood : float or None
         Maximised, with every constant.
-    aic : float or None
-        -2 lnL + 2 K (Akaike 1974).
-    aicc : float or None
-        AIC + 2 K (K + 1) / (n - K - 1) (Hurvich & Tsai 1989); only where sigma is
-        inferred and n > K + 1.
-    bic : float or None
-        -2 lnL + K ln n (Schwarz 1978).
+    values : mapping of str to float or None
+        Of each of `CRITERIA`, by its key.
     """
 
     n_parameters: int
     log_likelihood: float | None = None
-    aic: float | None = None
-    aicc: float | None = None
-    bic: float | None = None
+    values: Mapping[str, float | None] = field(default_factory=dict)
+
+    @classmethod
+    def of(
+        cls, k: int, log_likelihood: float, n: int, *, inferred: bool, across: bool = False
+    ) -> Criteria:
+        """Evaluate every criterion of K parameters and `n` points, or those that go `across`."""
+        found = {
+            c.key: c.value(-2 * log_likelihood, k, n, inferred) if c.across or not across else None
+            for c in CRITERIA
+        }
+        return cls(k, log_likelihood, found)
+
+    @property
+    def aic(self) -> float | None:
+        """Akaike's criterion."""
+        return self.values.get("aic")
+
+    @property
+    def aicc(self) -> float | None:
+        """AIC corrected for few points."""
+        return self.values.get("aicc")
+
+    @property
+    def bic(self) -> float | None:
+        """Schwarz's criterion."""
+        return self.values.get("bic")
 
 
 def criteria(fit: LeastSquaresFit, noise: NoiseLevel, n: int, log_sd: float = 0.0) -> Criteria:
@@ -82,10 +153,7 @@ def criteria_from(
     else:
         chi2 = rss / sigma**2
         log_likelihood = -0.5 * (chi2 + n * LOG_2PI) - n * math.log(sigma) - log_sd
-    aic = -2 * log_likelihood + 2 * k
-    spare = n - k - 1
-    aicc = aic + 2 * k * (k + 1) / spare if inferred and spare > 0 else None
-    return Criteria(k, log_likelihood, aic, aicc, -2 * log_likelihood + k * math.log(n))
+    return Criteria.of(k, log_likelihood, n, inferred=inferred)
 
 
 def robust_criteria(names: Sequence[str]) -> Criteria:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -141,7 +140,7 @@ def joint_criteria(data: JointData, rss: Array, k: int) -> Criteria:
     if any(map(only_rounding, rss.tolist(), [data.n] * 2, largest.tolist())):
         return Criteria(k)
     value = data.log_likelihood(rss)
-    return Criteria(k, value, -2 * value + 2 * k, None, -2 * value + k * math.log(data.n))
+    return Criteria.of(k, value, data.n, inferred=any(data.inferred), across=True)
 
 
 def joint_goodness(data: JointData, rss: Array, k: int) -> GoodnessOfFit | None:

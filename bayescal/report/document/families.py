@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from bayescal.comparison.criteria.information import ACROSS
 from bayescal.comparison.families.exact_parameters import exact_parameters
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.result import JointModel
@@ -94,8 +95,7 @@ def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str,
         "position": name.position,
         "n_parameters": model.criteria.n_parameters,
         "log_likelihood_max": model.criteria.log_likelihood,
-        "aic": model.criteria.aic,
-        "bic": model.criteria.bic,
+        **{c.key: model.criteria.values.get(c.key) for c in ACROSS},
         "chi2": None if goodness is None else goodness.chi2,
         "dof": None if goodness is None else goodness.dof,
         "chi2_p_value": None if goodness is None else goodness.p_value,

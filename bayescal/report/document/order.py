@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import ParameterSummary
 from bayescal.report.document.shared import evidence_facts, finite, summary_facts
@@ -41,8 +42,8 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
     chain = result.posterior.chain
     chains, draws, _ = chain.draws.shape
     best = {
-        name: min((getattr(r.criteria, name) for r in axis.orders), key=_none_last)
-        for name in ("aic", "aicc", "bic")
+        c.key: min((r.criteria.values.get(c.key) for r in axis.orders), key=_none_last)
+        for c in CRITERIA
     }
     found_loo = axis.defence.prediction.get(result.order) if axis.defence is not None else None
     coefficients = []
@@ -70,10 +71,8 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         "p_value_lower": good.p_value_lower,
         "f_p_value": good.f_p_value,
         "log_likelihood_max": found.log_likelihood,
-        "aic": found.aic,
-        "aicc": found.aicc,
-        "bic": found.bic,
-        **{f"delta_{n}": _difference(getattr(found, n), best[n]) for n in ("aic", "aicc", "bic")},
+        **{c.key: found.values.get(c.key) for c in CRITERIA},
+        **{f"delta_{key}": _difference(found.values.get(key), best[key]) for key in best},
         "log_evidence": posterior.log_evidence,
         "log_evidence_error": posterior.log_evidence_error,
         "evidence": evidence_facts(posterior),

@@ -21,7 +21,7 @@ log_evidences = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=20)
 
 
 def criteria_of(aic, bic, aicc=None):
-    return Criteria(3, -aic / 2, aic, aicc, bic)
+    return Criteria(3, -aic / 2, {"aic": aic, "aicc": aicc, "bic": bic})
 
 
 @given(log_evidences)
@@ -207,7 +207,7 @@ def test_a_single_order_has_no_runner_up():
 
 
 def test_an_exact_fit_leaves_no_preference_by_criteria():
-    exact = Criteria(3, None, None, None, None)
+    exact = Criteria(3)
     found = verdict_of({1: -90.0, 2: -50.0}, {1: criteria_of(180, 184, 181), 2: exact})
     assert found.order == 2
     assert (found.aicc_order, found.bic_order) == (None, None)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from bayescal.comparison.criteria.information import ACROSS
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut, paired_difference
 from bayescal.comparison.families.exact_parameters import exact_parameters
 from bayescal.comparison.families.result import JointModel
@@ -48,16 +49,17 @@ def shortlist(found: FamilyComparison) -> list[int]:
 def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
     """One row for each model listed, the most probable first."""
     best = found.best
-    every = [m.criteria for m in found.models]
-    lowest_aic = min((c.aic for c in every if c.aic is not None), default=0.0)
-    lowest_bic = min((c.bic for c in every if c.bic is not None), default=0.0)
+    values = [m.criteria.values for m in found.models]
+    lowest = {
+        c.key: min((v[c.key] or 0.0 for v in values if v.get(c.key) is not None), default=0.0)
+        for c in ACROSS
+    }
     columns = (
         Column("family"),
         Column("order", "of r and of c in the separable family; radial coefficients of a pinhole"),
         Column("position", "of the camera: exact as stated, or free to be inferred"),
         Column("K", "coefficients, inferred sigmas and a free position"),
-        Column("dAIC", "Akaike's criterion less the smallest"),
-        Column("dBIC", "Schwarz's criterion less the smallest; n counts points"),
+        *(Column(f"d{c.name}", f"{c.meaning}; less the smallest") for c in ACROSS),
         Column("ln Z", "natural logarithm of the evidence; !: not to be trusted"),
         Column("+-", "its Monte Carlo error, nat; exact where it has a closed form", "± ln Z"),
         Column("elpd", "leave-one-out, r and c of a point together; ?: not to be trusted"),
@@ -75,8 +77,7 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
                 Cell(m.key.order, float(m.key.orders[0])),
                 Cell(m.key.position),
                 Cell(str(m.criteria.n_parameters), m.criteria.n_parameters),
-                number_cell(m.criteria.aic, lambda v: f"{v - lowest_aic:.1f}"),
-                number_cell(m.criteria.bic, lambda v: f"{v - lowest_bic:.1f}"),
+                *(_above(m.criteria.values.get(key), low) for key, low in lowest.items()),
                 Cell(f"{m.log_evidence:.2f}{flag}", m.log_evidence),
                 Cell(error_words(m.log_evidence_error), m.log_evidence_error),
                 Cell("") if m.loo is None else Cell(elpd_words(m.loo), m.loo.elpd),
@@ -86,6 +87,11 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
             )
         )
     return Table(columns, tuple(cells), 0, True, ("dAIC", "K"))
+
+
+def _above(value: float | None, lowest: float) -> Cell:
+    """Show how far a criterion lies above the smallest; empty where there is none."""
+    return number_cell(value, lambda v: f"{v - lowest:.1f}")
 
 
 def error_words(error: float) -> str:

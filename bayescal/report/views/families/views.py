@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bayescal.comparison.criteria.information import ACROSS
 from bayescal.comparison.families.defence import LEFT_OUT
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.results import FamilyComparison
@@ -220,9 +221,8 @@ def _numbers(model: JointModel, found: FamilyComparison) -> tuple[str, str]:
     evidence = f"{model.log_evidence:.3f} " + ("(closed form)" if model.exact else f"+- {error}")
     known, criteria = model.criteria, no_criteria(found)
     if known.log_likelihood is not None:
-        criteria = (
-            f"ln L maximised {known.log_likelihood:.3f}, AIC {known.aic:.2f}, BIC {known.bic:.2f}"
-        )
+        values = [f"{c.name} {v:.2f}" for c in ACROSS if (v := known.values.get(c.key)) is not None]
+        criteria = ", ".join((f"ln L maximised {known.log_likelihood:.3f}", *values))
     loo = "" if model.loo is None else f"; elpd {elpd_words(model.loo)} +- {model.loo.se:.1f}"
     return f"{model.key}: K = {known.n_parameters}, {criteria}", f"ln evidence {evidence}{loo}"
 

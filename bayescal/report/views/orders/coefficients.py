@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from bayescal.comparison.criteria.goodness import GoodnessOfFit
+from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.report.blocks import Block, Blocks, Details, Prose, Tabled
 from bayescal.report.numbers import covariance
@@ -169,8 +170,8 @@ def facts(axis: AxisComparison, result: OrderResult) -> tuple[tuple[str, str], .
         ),
         ("ln L, maximised", _maybe(found.log_likelihood, lambda v: f"{v:.4f}")),
         (
-            "AIC, AICc, BIC",
-            ", ".join(_maybe(v, lambda v: f"{v:.3f}") for v in (found.aic, found.aicc, found.bic)),
+            ", ".join(c.name for c in CRITERIA),
+            ", ".join(_maybe(found.values.get(c.key), lambda v: f"{v:.3f}") for c in CRITERIA),
         ),
         (
             "ln evidence",

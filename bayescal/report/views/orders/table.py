@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Blocks, Facts, Tabled
@@ -64,9 +65,11 @@ def orders_table(axis: AxisComparison) -> Table:
         _column("dof", "dof", DOF, lambda r: r.goodness.dof, lambda v: f"{v:.0f}"),
         _column("chi2/dof", "χ²/dof", REDUCED, lambda r: r.goodness.chi2_reduced, _three),
         tested,
-        _column("dAIC", "ΔAIC", f"{AIC}; less the smallest", _delta(axis, "aic"), _fixed(1)),
-        _column("dAICc", "ΔAICc", f"{AICC}; less the smallest", _delta(axis, "aicc"), _fixed(1)),
-        _column("dBIC", "ΔBIC", f"{BIC}; less the smallest", _delta(axis, "bic"), _fixed(1)),
+        *(
+            _column(f"d{c.name}", f"Δ{c.name}", f"{c.meaning}; less the smallest", above, _fixed(1))
+            for c in CRITERIA
+            for above in (_delta(axis, c.key),)
+        ),
         _column("ln Z", "ln Z", LN_Z, lambda r: r.log_evidence, _fixed(2)),
         _column("prob.", "probability", PROBABILITY, lambda r: r.probability, percent),
     ]
@@ -86,9 +89,6 @@ DOF = "degrees of freedom: points less coefficients"
 REDUCED = "χ² per degree of freedom; 1 by construction where sigma is taken from the same residuals"
 P_CHI2 = "upper tail of χ² at the known sigma"
 P_F = "p-value of the F test stated below"
-AIC = "Akaike's criterion, -2 ln L + 2K"
-AICC = "AIC corrected for few points"
-BIC = "Schwarz's criterion, -2 ln L + K ln n"
 LN_Z = "natural logarithm of the evidence, p(data given order), sigma and tau averaged over"
 PROBABILITY = "posterior probability of the order, all equally probable beforehand"
 
@@ -133,12 +133,13 @@ def footnotes(axis: AxisComparison) -> list[str]:
             "residual to take it from."
         )
     best = [
-        f"{name} {min(values):.2f}"
-        for name, key in (("AIC", "aic"), ("AICc", "aicc"), ("BIC", "bic"))
-        if (values := [v for r in axis.orders if (v := getattr(r.criteria, key)) is not None])
+        f"{c.name} {min(values):.2f}"
+        for c in CRITERIA
+        if (values := [v for r in axis.orders if (v := r.criteria.values.get(c.key)) is not None])
     ]
     if best:
-        lines.append(f"Smallest {', '.join(best)}; dAIC, dAICc, dBIC are above these.")
+        heads = ", ".join(f"d{c.name}" for c in CRITERIA)
+        lines.append(f"Smallest {', '.join(best)}; {heads} are above these.")
     return lines
 
 
@@ -162,11 +163,11 @@ def _fixed(decimals: int) -> Callable[[float], str]:
 
 
 def _delta(axis: AxisComparison, key: str) -> Callable[[OrderResult], float | None]:
-    values = [v for r in axis.orders if (v := getattr(r.criteria, key)) is not None]
+    values = [v for r in axis.orders if (v := r.criteria.values.get(key)) is not None]
     best = min(values) if values else None
 
     def above(result: OrderResult) -> float | None:
-        value = getattr(result.criteria, key)
+        value = result.criteria.values.get(key)
         return None if value is None or best is None else float(value - best)
 
     return above
