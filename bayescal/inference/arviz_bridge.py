@@ -82,32 +82,6 @@ def _smoothed(log_likelihood: Array) -> tuple[Array, Array]:
     return np.asarray(log_weights), np.asarray(shape)
 
 
-def pareto_shape(log_weights: Array) -> float:
-    """Pareto k of the upper tail of importance weights (Vehtari et al. 2024).
-
-    Parameters
-    ----------
-    log_weights : Array
-        ``(n_draws,)``; -inf for draws outside the support.
-
-    Returns
-    -------
-    float
-        inf where the tail has no shape.
-    """
-    from arviz_stats.base import array_stats
-
-    # psislw smooths 1 / likelihood: the weights it is given are negated logs.
-    finite = np.maximum(log_weights, log_weights.max() - 700.0)
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        try:
-            _, shape = array_stats.psislw(-finite, axis=-1)
-        except ValueError:  # all values of the tail are the same
-            return np.inf
-    k = float(np.asarray(shape))
-    return k if np.isfinite(k) else np.inf
-
-
 def arviz_object(groups: dict[str, dict[str, Array]]) -> Any:
     """Make what the installed ArviZ works on: a DataTree, or InferenceData before 1.0.
 

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from bayescal.arrays import Array
-from bayescal.inference.arviz_bridge import pareto_shape
+from bayescal.inference.pareto import pareto_shape
 
 # An evidence less certain than this is marked wherever it is used, nat.
 UNCERTAIN = 0.1
