@@ -17,6 +17,13 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 AHEAD = 256  # tasks that a scheduler holds at least; more come as these are done
+# What a worker need not do of its own: take samples of its own stack every hundredth of a second,
+# and look at its clock every fiftieth. It is a tenth of a core.
+QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
+}
 PATIENCE = 30  # seconds that a scheduler and its first worker have to answer
 
 
@@ -45,15 +52,16 @@ def connected(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         Where the scheduler can't be reached or has no worker, or a worker has another version of
         bayescal or none.
     """
+    import dask
     from distributed import Client, LocalCluster
 
     if scheduler is None:
-        with _deaf_to_interrupts():
+        with dask.config.set(QUIET), _deaf_to_interrupts():
             local = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,
                 processes=True,
-                dashboard_address=None,
+                dashboard_address=":0",  # with none it takes a port all the same, and warns
                 silence_logs=100,  # nothing: what matters of a worker's end comes as a result
             )
         with local, Client(local) as client:
