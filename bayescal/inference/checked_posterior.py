@@ -10,7 +10,6 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.inference.chain import Chain
 from bayescal.inference.posterior import ParameterSummary, Summarised, summarise
-from bayescal.inference.proposals.coordinates import Whitening
 from bayescal.inference.proposals.proposal import LinearProposal, Proposal
 from bayescal.inference.target import log_prob
 from bayescal.linear.closed_form import ExactPosterior, exact_posterior
@@ -119,7 +118,6 @@ def sample_posterior(
     chain = sample(
         lambda theta: log_prob(model, theta),
         proposal if proposal is not None else LinearProposal(exact),
-        Whitening.of(exact),
         report,
         rng,
         ess,

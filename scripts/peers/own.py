@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from bayescal.inference.checked_posterior import sample_posterior
 from bayescal.inference.move import IndependenceMove
-from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
 from bayescal.inference.proposals.proposal import LinearProposal
 from bayescal.inference.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.target import log_prob
@@ -42,13 +43,10 @@ class Thousand:
         """Sample; 64 walkers say how the others are."""
         model, rng = self.model, np.random.default_rng(seed)
         exact = exact_posterior(model)
-        whitening = Whitening.of(exact)
-        proposal = WhitenedProposal(LinearProposal(exact), whitening)
+        proposal = LinearProposal(exact)
         start = proposal.draw(rng, self.walkers)
         move = IndependenceMove(proposal, rng)
-        sampler = quiet_sampler(
-            self.walkers, start.shape[1], lambda u: log_prob(model, whitening.theta(u)), move
-        )
+        sampler = quiet_sampler(self.walkers, start.shape[1], partial(log_prob, model), move)
         sampler.run_mcmc(start, self.steps, skip_initial_state_check=True)
         some = sampler.get_chain()[:, :64].swapaxes(0, 1)
         times = [autocorrelation_time(some[:, :, j]) for j in range(some.shape[2])]

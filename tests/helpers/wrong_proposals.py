@@ -6,14 +6,13 @@ from bayescal.inference.proposals.proposal import LinearProposal
 from bayescal.linear.closed_form import ExactPosterior
 
 
-class Misstated:
+class Misstated(LinearProposal):
     """Draws as wide as `width` says, from a density that claims the exact width."""
 
     def __init__(self, exact: ExactPosterior, width: float) -> None:
-        self.drawn, self.claimed = LinearProposal(exact, width), LinearProposal(exact)
+        super().__init__(exact)
+        self.width = width
 
-    def draw(self, rng, size):
-        return self.drawn.draw(rng, size)
-
-    def log_density(self, theta):
-        return self.claimed.log_density(theta)
+    def _normal(self, node, variance):
+        mean, spread = super()._normal(node, variance)
+        return mean, self.width**2 * spread

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, solve_triangular
+from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array
 from bayescal.inference.proposals.proposal import Proposal
-from bayescal.linear.closed_form import ExactPosterior
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,18 +25,6 @@ class Whitening:
 
     centre: Array
     factor: Array
-
-    @classmethod
-    def of(cls, exact: ExactPosterior) -> Whitening:
-        """Whitening by a closed-form posterior's mean and covariance."""
-        blocks = [exact.root]
-        centre = [*exact.mean]
-        for values, mass in exact.hyperparameters:
-            nodes = np.log(values)
-            mean = float(mass @ nodes)
-            centre.append(mean)
-            blocks.append(np.sqrt(np.array([[mass @ (nodes - mean) ** 2]])))
-        return cls(np.array(centre), block_diag(*blocks))
 
     def theta(self, u: Array) -> Array:
         """Parameters at whitened coordinates, ``(n, dimension)``."""

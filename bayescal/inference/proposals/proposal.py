@@ -68,16 +68,10 @@ class LinearProposal:
     tau and sigma are drawn first, from the hats over the nodes of the closed form's
     quadrature; then the amplitudes, normal given sigma and the node of tau. The
     share DEFENSIVE of draws takes ln sigma and the node of tau uniformly instead.
-
-    Parameters
-    ----------
-    width : float, optional
-        Factor on the amplitudes' proposal deviations (1 is the exact posterior).
     """
 
-    def __init__(self, exact: ExactPosterior, width: float = 1.0) -> None:
-        self.exact, self.width = exact, width
-        self.model = exact.model
+    def __init__(self, exact: ExactPosterior) -> None:
+        self.exact, self.model = exact, exact.model
         self._sigma, self._tau = Hats(exact.sigma_rule.nodes), Hats(exact.tau_rule.nodes)
         mass = self._tau.mass[:, None] * self._sigma.mass
         peak = exact.log_joint.max()
@@ -88,6 +82,14 @@ class LinearProposal:
         self._uniform_tau = self._tau.mass / self._tau.mass.sum()
         self._uniform_sigma = 1 / _width(self.model.noise)
         self._uniform = DEFENSIVE * self._uniform_sigma / _tau_width(self.model.prior)
+        # With a further column, whose weight is 0, beside the last.
+        self._table = np.pad(self._density, ((0, 0), (0, 1)))
+        # By nodes of tau along the last axis: sums over amplitudes are then sums of rows.
+        conditional = exact.conditional
+        self._d2, self._w2, self._inverse_variance = (
+            np.ascontiguousarray(values.T)
+            for values in (conditional.d**2, conditional.w**2, (conditional.from_b**2).sum(axis=1))
+        )
 
     def draw(self, rng: np.random.Generator, size: int) -> Array:
         """Draw parameters, ``(size, dimension)``."""
@@ -130,33 +132,52 @@ class LinearProposal:
         j, right_sigma = self._sigma.locate(log_sigma)
         i, right_tau = self._tau.locate(log_tau)
         covered = (right_sigma >= 0) & (right_sigma <= 1)
-        offset = theta[:, : model.size] - model.prior.mean
-        total = np.full(len(theta), -np.inf)
-        for side, weight in ((0, 1 - right_tau), (1, right_tau)):
-            node = np.minimum(i + side, len(self._tau.nodes) - 1)
-            beside = np.minimum(j + 1, len(self._sigma.nodes) - 1)
-            density = self._density[node, j] * (1 - right_sigma)
-            density += self._density[node, beside] * right_sigma
-            mixed = np.where(covered, (1 - DEFENSIVE) * density, 0.0) + self._uniform
+        amplitudes = theta[:, : model.size]
+        squares = np.square(amplitudes.T - model.prior.mean[:, None], order="C")
+        misfit = model.reduced.qt - amplitudes @ model.reduced.r.T
+        near = np.einsum("np,np->n", misfit, misfit) / variance
+        likelihood = -(near + model.size * (np.log(variance) + LOG_2PI)) / 2
+        cells = np.ravel_multi_index((i, j), self._table.shape)
+        share = (1 - DEFENSIVE) * covered
+        sides = []
+        for side, weight in ((0, 1 - right_tau), (1, right_tau))[: len(self._tau.nodes)]:
+            cell = cells + side * self._table.shape[1]
+            density = self._table.take(cell) * (1 - right_sigma)
+            density += self._table.take(cell + 1) * right_sigma
             with np.errstate(divide="ignore"):
-                log_weight = np.log(weight * mixed)
-            total = np.logaddexp(total, log_weight + self._log_normal(node, variance, offset))
-        return total
+                log_weight = np.log(weight * (share * density + self._uniform))
+            sides.append(log_weight + self._over_likelihood(i + side, variance, squares))
+        return np.asarray(likelihood + np.logaddexp.reduce(sides))
 
     def _normal(self, node: IntArray, variance: Array) -> tuple[Array, Array]:
         """Mean and variance of a given sigma^2 at a node of tau, ``(n, p)``."""
         conditional = self.exact.conditional
         d, w = conditional.d[node], conditional.w[node]
         total = conditional.precision * variance[:, None] + d**2
-        return d * w / total, self.width**2 * variance[:, None] / total
+        return d * w / total, variance[:, None] / total
 
-    def _log_normal(self, node: IntArray, variance: Array, offset: Array) -> Array:
-        conditional = self.exact.conditional
-        mean, spread = self._normal(node, variance)
-        a = np.einsum("nqp,np->nq", conditional.from_b[node], offset)
-        quadratic = (a - mean) ** 2 / spread + np.log(spread) + LOG_2PI
-        density: Array = conditional.log_det[node] - quadratic.sum(axis=1) / 2
-        return density
+    def _over_likelihood(self, node: IntArray, variance: Array, squares: Array) -> Array:
+        """Log density of amplitudes given sigma^2 and the node of tau, less their likelihood's.
+
+        It is likelihood times prior over evidence: of what depends on tau there are sums of
+        squares alone, while the likelihood, which takes the product with R, is the same at
+        every node.
+
+        Parameters
+        ----------
+        squares : Array
+            Of the amplitudes' distances from the prior's means, ``(p, n)``.
+        """
+        conditional, precision = self.exact.conditional, self.exact.conditional.precision
+        total = self._d2.take(node, axis=1)
+        total += precision * variance
+        found: Array = conditional.log_det.take(node) + np.log(total).sum(axis=0) / 2
+        if precision:
+            prior = self._w2.take(node, axis=1)
+            prior /= total
+            prior -= self._inverse_variance.take(node, axis=1) * squares
+            found += precision / 2 * prior.sum(axis=0)
+        return found
 
 
 def _width(noise: NoiseLevel) -> float:
