@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import json
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from bayescal.errors import InputError, OutputError
 from bayescal.files import check_folder
 from bayescal.fleets.closed_forms import ClosedForms
 from bayescal.fleets.fleet import Fleet
-from bayescal.fleets.journal import Journal
+from bayescal.fleets.journal import Journal, locked
 from bayescal.fleets.judging import Camera, judge_fleet
 from bayescal.fleets.listed import Listed, listed
 from bayescal.fleets.record import Record
@@ -102,21 +103,21 @@ def fleet(
     by = "calibrate" if views else "compare"
     _check(_judge_named(by), options)
     given = cameras if isinstance(cameras, Mapping) else _listed(cameras)
-    place = None if folder is None else _prepared(Path(folder))
     settings = {"judged by": by, "seed": seed, **_plain(options)}
-    found = judge_fleet(
-        _cameras(given, read or _reader(setup, views=views)),
-        judge,
-        settings,
-        Journal(place),
-        scheduler=scheduler,
-        workers=workers,
-        progress=progress or (lambda _: None),
-    )
-    if place is not None:
-        from bayescal.report.page.fleet import save_fleet
+    with contextlib.nullcontext() if folder is None else _prepared(Path(folder)) as place:
+        found = judge_fleet(
+            _cameras(given, read or _reader(setup, views=views)),
+            judge,
+            settings,
+            Journal(place),
+            scheduler=scheduler,
+            workers=workers,
+            progress=progress or (lambda _: None),
+        )
+        if place is not None:
+            from bayescal.report.page.fleet import save_fleet
 
-        save_fleet(found, place, command)
+            save_fleet(found, place, command)
     return found
 
 
@@ -203,15 +204,25 @@ def _cameras(given: Mapping[str, Any], read: Read) -> Iterable[Camera]:
             yield Camera(name, source.file, None, str(error))
 
 
-def _prepared(folder: Path) -> Path:
-    """Make the folder, or take an earlier one up again."""
+@contextlib.contextmanager
+def _prepared(folder: Path) -> Iterator[Path]:
+    """Make the folder, or take an earlier one up again; leave none where no camera was begun."""
     from bayescal.report.page.fleet import FOLDER
 
     if not (folder.is_dir() and not any(folder.iterdir())):
         check_folder(folder, FOLDER, force=True)
+    marker, new = folder / FOLDER.marker, not folder.exists()
     try:
         folder.mkdir(exist_ok=True)
-        (folder / FOLDER.marker).touch()
+        marker.touch()
     except OSError as error:
         raise OutputError(f"{folder}: {(error.strerror or str(error)).lower()}") from None
-    return folder
+    with locked(marker):
+        try:
+            yield folder
+        except InputError:
+            if not marker.stat().st_size:
+                marker.unlink()
+                if new:
+                    folder.rmdir()
+            raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from collections.abc import Iterator
@@ -11,6 +12,32 @@ from bayescal.errors import InputError, OutputError
 from bayescal.fleets.record import Record
 
 NAME = "judged.jsonl"
+
+
+@contextlib.contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Keep other runs from a file, as far as the system can; a process that ends lets go of it.
+
+    Raises
+    ------
+    InputError
+        Where another run has it.
+    """
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        yield
+        return
+    with path.open("rb") as stream:
+        try:
+            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise InputError(
+                f"{path.parent}: another run is at work there; wait for it, or take another folder"
+            ) from None
+        except OSError:  # a file system without locks
+            pass
+        yield
 
 
 class Journal:

@@ -64,7 +64,8 @@ def _manifest(path: Path) -> list[Listed] | None:
         raise InputError(
             f"{path}:1: column {quoted(foreign[0])} is none of {', '.join(KNOWN)}; drop it"
         )
-    found = []
+    found: list[Listed] = []
+    named: dict[str, int] = {}
     for number, fields in enumerate(csv.reader(lines[1:]), 2):
         if not any(map(str.strip, fields)):
             continue
@@ -73,9 +74,15 @@ def _manifest(path: Path) -> list[Listed] | None:
         row = dict(zip(header, map(str.strip, fields), strict=True))
         if not row["file"]:
             raise InputError(f"{path}:{number}: file: is empty; name the camera's file")
+        name = row.get("camera")
+        if name and named.setdefault(name, number) != number:
+            raise InputError(
+                f"{path}:{number}: camera {quoted(name)} is named in line {named[name]}, too; "
+                "give each a name of its own"
+            )
         place = path.parent / row["file"]
         setup = str(path.parent / row["setup"]) if row.get("setup") else None
-        found.append(Listed(row.get("camera") or place.stem, str(place), setup))
+        found.append(Listed(name or place.stem, str(place), setup))
     if not found:
         raise InputError(f"{path}: lists no cameras below its header; add some")
     return found

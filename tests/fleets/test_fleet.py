@@ -17,7 +17,7 @@ from bayescal.api.axes import compared
 from bayescal.api.fleet import judge
 from bayescal.comparison.settings import Settings
 from bayescal.fleets.closed_forms import ClosedForms
-from bayescal.fleets.journal import NAME, Journal
+from bayescal.fleets.journal import NAME, Journal, locked
 from bayescal.fleets.judging import digest_of, seed_of
 from bayescal.fleets.record import Record
 from tests.fleets.conftest import OPTIONS
@@ -137,6 +137,18 @@ def test_bad_usage(files, monkeypatch, words, message):
     assert (found.code, found.out) == (2, "")
     assert message in found.err
     assert found.err.count("\n") == 1
+    assert not (files / "out").exists()
+
+
+def test_a_folder_is_one_runs_at_a_time(files, monkeypatch):
+    monkeypatch.chdir(files)
+    (files / "out").mkdir()
+    (files / "out" / NAME).touch()
+    with locked(files / "out" / NAME):
+        found = here("fleet", "cameras/*.csv", "--out", "out")
+    assert found.code == 2
+    assert found.err.startswith("bayescal: out: another run is at work there; wait for it")
+    assert (files / "out" / NAME).exists()
 
 
 @pytest.mark.parametrize("module", ["distributed", "pyarrow"])
