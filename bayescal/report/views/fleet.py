@@ -7,13 +7,14 @@ from collections import Counter
 import numpy as np
 
 from bayescal.fleets.fleet import Fleet
-from bayescal.fleets.odd import FAR, FEWEST, LEVEL, SIGMA, Spread, score_limit
+from bayescal.fleets.odd import FAR, FEWEST, LEVEL, SIGMA, Oddity, Spread, score_limit
 from bayescal.fleets.record import LENS
 from bayescal.report.blocks import Blocks, Details, Listing, Part, Prose, Section, Tabled, listed
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.rounding import counted, rounded, significant
 
 SHOWN = 20  # cameras of a list in a terminal
+REASONS = 2  # of each odd camera, the gravest; the table has all
 
 
 def brief(fleet: Fleet) -> Blocks:
@@ -107,15 +108,23 @@ def _row(s: Spread, limit: float) -> tuple[Cell, ...]:
 
 
 def odd(fleet: Fleet, most: int | None = None) -> Blocks:
-    """List why cameras are odd, the oddest first."""
-    found = fleet.odd[:most]
+    """List odd cameras and why, the oddest first."""
     limit = score_limit(fleet.spreads)
-    if not found:
+    by_camera: dict[str, list[Oddity]] = {}
+    for one in fleet.odd:
+        by_camera.setdefault(one.camera, []).append(one)
+    if not by_camera:
         return (Prose(f"None. {_rule(limit)}"),)
-    rest = len(fleet.odd) - len(found)
-    lines = [f"{o.camera}: {o.text} (score {_score(o.score)})" for o in found]
+    lines = [f"{camera}: {_reasons(why)}" for camera, why in by_camera.items()][:most]
+    rest = len(by_camera) - len(lines)
     more = [f"{rest} more stand in cameras.parquet and on the page"] if rest else []
     return (*listed([*lines, *more]), Prose(_rule(limit)))
+
+
+def _reasons(why: list[Oddity]) -> str:
+    words = [f"{one.text} (score {_score(one.score)})" for one in why[:REASONS]]
+    rest = len(why) - len(words)
+    return "; ".join([*words, *([counted(rest, "further reason")] if rest else [])])
 
 
 def _rule(limit: float) -> str:
