@@ -24,6 +24,14 @@ def add_views(parser: argparse.ArgumentParser) -> None:
     given.add_argument(
         "--columns", metavar="view=a,x=b,...", help="names or numbers of a table's columns"
     )
+    given.add_argument(
+        "--without",
+        action="append",
+        default=[],
+        metavar="VIEW[:POINT]",
+        help="leave out a view, or its point of that label or number: left05.jpg, left05.jpg:21; "
+        "may be given again",
+    )
     given.add_argument("--setup", metavar="FILE.toml", help="a setup that states the image size")
     given.add_argument("--image-width", type=float, metavar="PX", help="image width, px")
     given.add_argument("--image-height", type=float, metavar="PX", help="image height, px")
@@ -47,8 +55,8 @@ def views(options: argparse.Namespace) -> Views:
 
     if options.views is None:
         refuse_said(options)
-        return chessboard()
-    return load_views(
+        return chessboard().without(*options.without)
+    found = load_views(
         options.views,
         board=options.board,
         square=options.square,
@@ -58,6 +66,7 @@ def views(options: argparse.Namespace) -> Views:
         width=options.image_width,
         height=options.image_height,
     )
+    return found.without(*options.without)
 
 
 def refuse_said(options: argparse.Namespace) -> None:

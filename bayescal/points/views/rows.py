@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from bayescal.arrays import Array, IntArray, frozen
+from bayescal.errors import InputError
+from bayescal.points.tables.text import quoted
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +71,41 @@ class ViewRows:
         """Where a point (from 0) is, for a message: file and line, or view and label."""
         if self.lines is not None:
             return f"{self.source}:{self.lines[point]}"
-        view = int(self.view[point])
+        view = self.names[int(self.view[point])]
+        return f"{self.source}, view {view}, point {self.label(point)}"
+
+    def label(self, point: int) -> str:
+        """Name of a point (from 0): its label, or its number within its view, from 1."""
         own = self.labels[point] if self.labels is not None else ""
-        within = point - self.slices[view].start + 1
-        return f"{self.source}, view {self.names[view]}, point {own or within}"
+        return own or str(point - self.slices[int(self.view[point])].start + 1)
+
+
+def rows_named(views: ViewRows, name: str) -> IntArray:
+    """Rows of a view, or of a point of one: ``"left05.jpg"``, ``"left05.jpg:21"``.
+
+    Raises
+    ------
+    InputError
+        Where there is no such view or point.
+    """
+    if name in views.names:
+        part = views.slices[views.names.index(name)]
+        return np.arange(part.start, part.stop)
+    view, _, label = name.rpartition(":")
+    if view not in views.names:
+        raise InputError(
+            f"{views.source}: no view is called {quoted(view or name)}; there are "
+            f"{quoted(', '.join(views.names))}"
+        )
+    part = views.slices[views.names.index(view)]
+    rows = [i for i in range(part.start, part.stop) if views.label(i) == label]
+    if not rows:
+        last = views.label(part.stop - 1)
+        raise InputError(
+            f"{views.source}: view {quoted(view)} has no point {quoted(label)}; its points go "
+            f"from {quoted(views.label(part.start))} to {quoted(last)}"
+        )
+    return np.array(rows)
 
 
 def fixed(values: IntArray) -> IntArray:

@@ -14,7 +14,7 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import one_line
 from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
 from bayescal.points.views.checks import check_views
-from bayescal.points.views.rows import ViewRows, fixed
+from bayescal.points.views.rows import ViewRows, fixed, rows_named
 from bayescal.rounding import counted
 
 # Points nearer than this fraction of the target's diagonal are one point, written with rounding.
@@ -188,10 +188,40 @@ class Views(ViewRows):
         kept = [self.slices[i] for i in views]
         rows = np.concatenate([np.arange(s.start, s.stop) for s in kept])
         view = np.repeat(np.arange(len(kept)), [s.stop - s.start for s in kept])
-        digest = hashlib.sha256(f"{self.sha256} {list(views)}".encode()).hexdigest()
+        return self._taken(rows, view, [self.names[i] for i in views], str(list(views)))
+
+    def without(self, *names: str) -> Views:
+        """Leave out views, or points of them, with a note that says so.
+
+        Parameters
+        ----------
+        *names : str
+            A view (``"left05.jpg"``), or one of its points by label, or by its number within
+            the view, from 1, where points have no labels (``"left05.jpg:21"``).
+
+        Raises
+        ------
+        InputError
+            Where there is no such view or point, or what is left can't be used.
+        """
+        if not names:
+            return self
+        gone = np.unique(np.concatenate([rows_named(self, name) for name in names]))
+        rows = np.delete(np.arange(self.n_points), gone)
+        if not len(rows):
+            raise InputError(f"{self.source}: no point is left; leave out fewer")
+        views, view = np.unique(self.view[rows], return_inverse=True)
+        found = self._taken(rows, view, [self.names[i] for i in views], f"without {gone.tolist()}")
+        note = f"left out as asked ({counted(len(gone), 'point')}): {', '.join(names)}"
+        found = replace(found, notes=(*self.notes, note))
+        check_views(found)
+        return found
+
+    def _taken(self, rows: IntArray, view: IntArray, names: Sequence[str], said: str) -> Views:
+        """Take some rows, as views with these names; `said` tells them from others."""
         return replace(
             self,
-            names=tuple(self.names[i] for i in views),
+            names=tuple(names),
             view=fixed(view.astype(np.intp)),
             world=frozen(self.world[rows]),
             pixels=frozen(self.pixels[rows]),
@@ -199,7 +229,7 @@ class Views(ViewRows):
             sigma=None if self.sigma is None else frozen(self.sigma[rows]),
             labels=None if self.labels is None else tuple(self.labels[i] for i in rows),
             lines=None if self.lines is None else tuple(self.lines[i] for i in rows),
-            sha256=digest,
+            sha256=hashlib.sha256(f"{self.sha256} {said}".encode()).hexdigest(),
         )
 
     def with_size(self, width: float, height: float) -> Views:

@@ -9,6 +9,7 @@ import itertools
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import bayescal as bc
@@ -266,3 +267,33 @@ def test_representation() -> None:
     assert repr(views(3)) == (
         "<Views: 3 views, 36 points of a planar target 30 by 20, image 640 by 480 px, from arrays>"
     )
+
+
+def test_views_and_points_are_left_out_by_name() -> None:
+    views = bc.chessboard()
+    found = views.without("left03.jpg", "left05.jpg:21", "left05.jpg:1")
+    assert found.names == tuple(n for n in views.names if n != "left03.jpg")
+    gone = [views.slices[views.names.index("left05.jpg")].start + k for k in (0, 20)]
+    kept = [i for i in range(views.n_points) if views.view[i] != 2 and i not in gone]
+    assert found.pixels.tolist() == views.pixels[kept].tolist()
+    assert found.lines == tuple(views.lines[i] for i in kept)
+    assert found.target.tolist() == views.target.tolist()
+    assert found.sha256 != views.sha256
+    assert found.notes[-1].startswith("left out as asked (56 points): left03.jpg, left05.jpg:21")
+    assert views.without() is views
+
+
+def test_points_are_left_out_by_label_where_they_have_one() -> None:
+    views = bc.load_views(pd.DataFrame({
+        "view": ["a:1"] * 5 + ["b"] * 5, "label": [*"pqrst"] * 2, "x": [0, 1, 0, 1, 2] * 2,
+        "y": [0, 0, 1, 1, 2] * 2, "z": 0.0, "r": np.arange(10.0) ** 2, "c": np.arange(10.0),
+    }))  # fmt: skip
+    assert views.without("a:1:r").labels == (*"pqst", *"pqrst")
+    assert views.without("a:1").names == ("b",)
+    for name, what in (("b:3", "'b' has no point '3'"), ("c", "no view is called 'c'")):
+        with pytest.raises(bc.InputError, match=what):
+            views.without(name)
+    with pytest.raises(bc.InputError, match="no point is left"):
+        views.without("a:1", "b")
+    with pytest.raises(bc.InputError, match="has 3 points"):
+        views.without("b:p", "b:q")
