@@ -16,6 +16,8 @@ Node: TypeAlias = tuple[int, int, int, int]
 CORRELATED = (0.0, *(2.0**k for k in range(-3, 8)))
 LENGTHS = tuple(2.0**k for k in range(-1, 6))  # spacings of the target's points
 OFFSETS = (0.0, *(2.0**k for k in range(-4, 4)))
+INDEPENDENT: Node = (0, 0, 0, 0)
+MIDDLE = 3  # level of each part at the second node that is looked at
 KEPT = 5.0  # nat below the best at which a node's neighbours are not looked at any more
 FEWEST_VIEWS = 3  # offsets common to fewer views can't be told from the poses
 
@@ -52,6 +54,14 @@ class ErrorGrid:
         offsets = len(OFFSETS) if self.offsets else 1
         correlated = len(CORRELATED) if self.correlated else 1
         return (correlated, len(LENGTHS), offsets, offsets)
+
+    @property
+    def starts(self) -> tuple[Node, ...]:
+        """Nodes to begin from: independent noise, and a little of all that is offered."""
+        correlated, offset = (
+            MIDDLE if offered else 0 for offered in (self.correlated, self.offsets)
+        )
+        return tuple(dict.fromkeys((INDEPENDENT, (correlated, correlated, offset, offset))))
 
     def error(self, node: Node) -> ErrorModel:
         """Error model at a node."""

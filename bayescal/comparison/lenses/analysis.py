@@ -15,6 +15,8 @@ from bayescal.calibration.laplace import Level, degrees
 from bayescal.calibration.sampled import SampledLens
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.caveats import lens_findings
+from bayescal.comparison.lenses.gross_error import GrossError
+from bayescal.comparison.lenses.gross_errors import gross_errors
 from bayescal.comparison.lenses.judging import judge_lenses, plausible_others
 from bayescal.comparison.lenses.left_out import halves, leave_views_out
 from bayescal.comparison.lenses.places import places
@@ -99,6 +101,7 @@ def _compared(
         sweep.setting,
         lenses,
         drawn,
+        gross_errors(lenses, sweep.setting, views),
         impossible=tuple(sweep.impossible),
         failures=tuple(sweep.failures),
     )
@@ -111,6 +114,7 @@ def concluded(
     setting: Setting,
     lenses: tuple[JudgedLens, ...],
     drawn: Drawn,
+    gross: tuple[GrossError, ...],
     **beside: tuple[str, ...],
 ) -> LensComparison:
     """Conclude from what was judged and drawn, which is cheap.
@@ -121,6 +125,8 @@ def concluded(
         The most probable first, views left out of the probable ones.
     drawn : Drawn
         Of the first of them.
+    gross : tuple of GrossError
+        Points further off than the errors allow.
     **beside : tuple of str
         As of `Evidenced`: impossible lenses, failures.
     """
@@ -128,7 +134,7 @@ def concluded(
     shown = places(lenses, setting.data, drawn.covariance, drawn.halves)
     found: dict[str, Any] = {
         "views": views, "setting": setting, "lenses": lenses, "drawn": drawn, "places": shown,
-        **beside,
+        "gross": gross, **beside,
     }  # fmt: skip
     verdict = judge_lenses(lenses, lens_findings(Evidenced(**found)))
     notes = (*view_notes(views), *size_notes(views))

@@ -15,6 +15,7 @@ from bayescal.calibration.lens_model import LensModel
 from bayescal.comparison import convert
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
+from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import View
 from bayescal.comparison.lenses.request import LensRequest
@@ -128,6 +129,8 @@ class Evidenced:
         Lenses that can't see some point of these views.
     failures : tuple of str
         Lenses whose fit stayed worse than that of one they contain.
+    gross : tuple of GrossError
+        Points further off than the errors allow, the least probable first.
     """
 
     views: Views
@@ -137,6 +140,7 @@ class Evidenced:
     failures: tuple[str, ...]
     drawn: Drawn
     places: tuple[Place, ...]
+    gross: tuple[GrossError, ...]
 
     @property
     def best(self) -> JudgedLens:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from bayescal.calibration.error_grid import Node
+from bayescal.calibration.error_grid import INDEPENDENT
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level
 from bayescal.calibration.least_squares import Fit, carried, least_squares
@@ -32,7 +32,6 @@ from bayescal.points.views.views import Views
 
 FLEXIBLE = ("radial 3 + p", "fisheye 3")  # lenses that show how noisy views are
 WORSE = 1e-9  # relative: a nested fit worse than its sub-model's by this is a failure
-FIRST: tuple[Node, ...] = ((0, 0, 0, 0), (3, 3, 3, 3))
 
 
 class Sweep:
@@ -65,9 +64,7 @@ class Sweep:
         self.impossible: list[str] = []
         self.failures: list[str] = []
         self.setting = Setting.of(self.data, level, independent=request.independent)
-        self._start = FIRST if self.setting.grid.offsets else (FIRST[0], (3, 3, 0, 0))
-        if request.independent:
-            self._start = FIRST[:1]
+        self._start = self.setting.grid.starts
         self._fits: dict[str, tuple[LensModel, Fit]] = {}
         self._evidence: dict[str, float] = {}
 
@@ -119,7 +116,7 @@ class Sweep:
     def _judged(self, found: JudgedLens) -> None:
         self._evidence[found.name] = found.log_evidence
         # The next lens's errors are likely to be those of this one.
-        self._start = tuple(dict.fromkeys((*FIRST[:1], *found.evidence.errors.nodes[:1])))
+        self._start = tuple(dict.fromkeys((INDEPENDENT, *found.evidence.errors.nodes[:1])))
 
     def _fit(self, candidate: Candidate, model: LensModel) -> Fit:
         """Least squares from every sub-model's fit, or from nothing where there is none."""

@@ -76,6 +76,16 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
             "range": found.range,
             "places": [{**asdict(place), "pixel": list(place.pixel)} for place in found.places],
         },
+        "gross_errors": [
+            {
+                "view": point.view,
+                "point": point.label,
+                "line": None if views.lines is None else views.lines[point.point],
+                "shift_px": list(point.shift),
+                "p_value": point.p_value,
+            }
+            for point in found.gross
+        ],
         "verdict": {
             "best": verdict.best,
             "plausible": list(verdict.plausible),

@@ -11,6 +11,7 @@ from bayescal.calibration.judge import Setting
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.sampled import SampledLens
 from bayescal.comparison.lenses.analysis import concluded, level_of
+from bayescal.comparison.lenses.gross_errors import gross_errors
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import Drawn, LensComparison
 from bayescal.comparison.lenses.sweep import image_size
@@ -121,6 +122,7 @@ class LensesKind(RunKind[LensComparison]):
             model = SampledLens(best.evidence.density)
             posterior = run.read_draws(best.key.file(), lambda d: unpack_sampled(d, model))
             drawn = Drawn(posterior, kept.draws, kept.covariance, kept.halves)
+            gross = kept.gross
             impossible, failures = kept.names("impossible"), kept.names("failures")
         except (ValueError, KeyError, TypeError, IndexError) as error:
             raise InputError(
@@ -134,6 +136,7 @@ class LensesKind(RunKind[LensComparison]):
                 setting,
                 lenses,
                 drawn,
+                gross_errors(lenses, setting, seen) if gross is None else gross,
                 impossible=impossible,
                 failures=failures,
             )

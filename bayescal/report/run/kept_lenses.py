@@ -16,6 +16,7 @@ from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.lenses.candidates import named_candidates
 from bayescal.comparison.lenses.fitted import judged_lens
+from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.inference.estimate import EvidenceEstimate
@@ -31,6 +32,7 @@ def lenses_bytes(found: LensComparison) -> bytes:
     head = {
         "impossible": found.impossible,
         "failures": found.failures,
+        "gross": [asdict(point) for point in found.gross],
         "lenses": [_packed(judged, f"{i}.", arrays) for i, judged in enumerate(found.lenses)],
     }
     return to_npz(head, arrays)
@@ -71,6 +73,14 @@ class KeptLenses:
     def names(self, what: str) -> tuple[str, ...]:
         """Lenses that were impossible, or failures."""
         return tuple(self.head[what])
+
+    @property
+    def gross(self) -> tuple[GrossError, ...] | None:
+        """Points further off than the errors allow; None in runs from before they were kept."""
+        kept = self.head.get("gross")
+        if kept is None:
+            return None
+        return tuple(GrossError(**{**point, "shift": tuple(point["shift"])}) for point in kept)
 
     @property
     def levels(self) -> Array | None:

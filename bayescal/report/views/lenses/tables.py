@@ -127,6 +127,23 @@ def _worst(group: list[Place], column: str) -> float | None:
     return max(known) if known else None
 
 
+def gross_table(found: LensComparison) -> Table:
+    """Table of a row per point that the error model can't explain."""
+    lines = found.views.lines is not None
+    columns = (
+        Column("point", "as --without takes it"), *([Column("line", "of the file")] * lines),
+        Column("r", "observed less where all others put it, px"), Column("c", "the same"),
+        Column("off", "distance, px"), Column("p", "times the number of points"),
+    )  # fmt: skip
+    rows = []
+    for point in found.gross:
+        place = [Cell(point.place)] if lines else []
+        sizes = (number_cell(v, lambda x: f"{x:.2f}") for v in (*point.shift, point.size))
+        chance = number_cell(point.p_value, lambda v: f"{v:.1g}")
+        rows.append((Cell(point.name), *place, *sizes, chance))
+    return Table(columns, tuple(rows))
+
+
 def views_table(found: LensComparison) -> Table:
     """Table of a row per view."""
     data, lost = found.setting.data, found.best.loo

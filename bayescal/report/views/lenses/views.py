@@ -19,6 +19,7 @@ from bayescal.report.blocks import (
 )
 from bayescal.report.views.lenses.tables import (
     SHOWN,
+    gross_table,
     lenses_table,
     parameters_table,
     places_table,
@@ -64,6 +65,7 @@ def brief(found: LensComparison) -> Blocks:
         Facts(tuple(assumed(found))),
         lenses(found),
         *verdict(found),
+        *gross(found),
         parameters(found),
         places(found),
         *sampling(found),
@@ -87,6 +89,17 @@ def parameters(found: LensComparison) -> Tabled:
     notes = (parameters_note(found), *weak_words(found))
     caption = f"Posterior of {found.best.name}."
     return Tabled("lens-parameters", caption, parameters_table(found), notes)
+
+
+def gross(found: LensComparison) -> Blocks:
+    """Show the points that the error model can't explain, where there are any."""
+    if not found.gross:
+        return ()
+    note = (
+        "further off than the errors allow: r, c observed less where all the other points put "
+        "them, px, each without those above it; p times the number of points."
+    )
+    return (Tabled("gross-errors", "Points to look at.", gross_table(found), (note,)),)
 
 
 def places(found: LensComparison) -> Tabled:
@@ -137,7 +150,8 @@ def parameters_section(found: LensComparison) -> Section:
 def residuals_section(found: LensComparison) -> Section:
     """Show what is left over, in the image and view by view."""
     table = Tabled("views", "Residuals of each view.", views_table(found))
-    blocks = _figure(found, "vectors"), Part("View by view", (_figure(found, "views"), table))
+    by_view = Part("View by view", (_figure(found, "views"), table))
+    blocks = (_figure(found, "vectors"), *gross(found), by_view)
     lead = "A pattern in the image is a shape that the lens lacks."
     return Section("residuals", "What is left over", lead, blocks)
 
