@@ -91,9 +91,9 @@ def compared(
 ) -> Comparison:
     """Compare as `compare` does, posteriors from a store made for points, settings and orders."""
     by_axis = dict.fromkeys(axis_names(axis), checked_orders(orders))
-    points, whole = reduced(points, setup, by_axis, settings)
+    points, whole, again = reduced(points, setup, by_axis, settings)
     store = store_of(points, settings, by_axis)
-    result = analyse_points(points, by_axis, settings, progress, store, whole)
+    result = analyse_points(points, by_axis, settings, progress, store, whole, again)
     return _hinted(points, result, settings, progress) if hint else result
 
 
@@ -133,7 +133,7 @@ def fit(
     if not orders:
         raise InputError("give the order of r, of c or of both")
     settings = Settings(**options, defend=False)
-    points, whole = reduced(points, setup, orders, settings)
+    points, whole, _ = reduced(points, setup, orders, settings)
     result = analyse_points(points, orders, settings, progress, whole=whole)
     return _hinted(points, result, settings, progress)
 

@@ -26,8 +26,10 @@ def reduced(
     setup: GivenSetup,
     orders: Mapping[str, tuple[int, ...]],
     settings: Settings,
-) -> tuple[Correspondences, dict[str, Whole] | None]:
+) -> tuple[Correspondences, dict[str, Whole] | None, ManyPoints | None]:
     """Make correspondences of what a caller gives, or a sample of many and their reduction.
+
+    Then the many points come with it, to be read again.
 
     Raises
     ------
@@ -36,12 +38,12 @@ def reduced(
     """
     many = given if isinstance(given, ManyPoints) else many_points(given)
     if many is None:
-        return points_of(given, setup), None
+        return points_of(given, setup), None, None
     if setup is not None:
         many = dataclasses.replace(many, setup=camera_of(setup))
     if not can_reduce(many, settings):
-        return many.at_once(), None
-    return reduce_points(many, orders, settings)
+        return many.at_once(), None, None
+    return (*reduce_points(many, orders, settings), many)
 
 
 def points_of(given: Given, setup: GivenSetup = None) -> Correspondences:

@@ -201,11 +201,10 @@ def _compared(options: argparse.Namespace) -> Comparison:
         shared.Progress(options, models, heavy=axes + 1) as progress,
     ):
         from bayescal.api.axes import compare
-        from bayescal.comparison.many import can_defend
 
         return compare(
             points,
-            defend=can_defend(points),
+            defend=True,
             progress=progress,
             **shared.settings(options),
         )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypeAlias
@@ -49,6 +49,7 @@ class _Around:
     groups: Groups | None = None
     group_names: Sequence[str] | None = None
     geometry: tuple[str, ...] = ()
+    again: Iterable[Correspondences] | None = None
 
     @property
     def depth(self) -> Array | None:
@@ -63,23 +64,26 @@ def analyse_points(
     progress: Progress | None,
     store: Store | None = None,
     whole: Mapping[str, Whole] | None = None,
+    again: Iterable[Correspondences] | None = None,
 ) -> Comparison:
     """Compare the orders wanted of each axis of the separable family.
 
     `progress` is called with axis and order before each model is sampled; by default all are
-    sampled now. With the `whole` of each axis these points are a sample of it.
+    sampled now. With the `whole` of each axis these points are a sample of it, and a defence reads
+    all of them `again`; without them there is one only where the store has it.
     """
     data = {name: separable.axis_data(points, name) for name in AXES}
     if whole is not None:
-        # What a defence removes and resamples is not held.
-        settings = replace(settings, defend=False)
         data |= {name: data[name].sampled_from(reduced) for name, reduced in whole.items()}
     for name, wanted in orders.items():
         # Refuse before anything is sampled.
         data[name].check(wanted[-1])
         prior_rule(data[name], settings, points.setup.priors.get(name)).of_order(wanted[-1])
-    groups = groups_of(points) if settings.defend else None  # a number per group and point
     kept, odd = store or Store(), tuple(odd_geometry(points))
+    if whole is not None and again is None:
+        settings = replace(settings, defend=settings.defend and _has_defence(kept, orders))
+    # A number per group and point.
+    groups = groups_of(points) if settings.defend and whole is None else None
     axes = {}
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
@@ -93,10 +97,18 @@ def analyse_points(
                 other=other,
                 stated=points.setup.priors.get(name),
             )
-            around = _Around(other, points.camera_frame(), groups, points.groups, odd)
+            around = _Around(other, points.camera_frame(), groups, points.groups, odd, again)
             axes[name] = _compare(axis, wanted, around, settings, kept, progress)
     assumed = notes(points, axes.values())
     return Comparison(axes, separable.NAME, points, settings, assumed, derived=kept.derived)
+
+
+def _has_defence(store: Store, axes: Iterable[str]) -> bool:
+    """Whether a store holds the defence of every axis."""
+    from bayescal.comparison.defence.defence import NAME
+    from bayescal.comparison.defence.results import Defence
+
+    return all(store.known(NAME.format(axis), Defence) is not None for axis in axes)
 
 
 def analyse_arrays(data: AxisData, orders: Sequence[int], settings: Settings) -> Comparison:
@@ -182,7 +194,9 @@ def _defended(
 
     rng = Key.of_axis(axis.data.axis, 0, GAUSSIAN.name).rng(settings.seed)
     results, verdict, shape = plain.orders, plain.verdict, plain.noise_model
-    defence = defend(axis, shape, results, verdict, around.groups, store, settings, rng)
+    defence = defend(
+        axis, shape, results, verdict, around.groups, store, settings, rng, around.again
+    )
     criteria = {r.order: r.criteria for r in results}
     argued = about_noise(
         argue(verdict, defence, criteria, axis.data.size), plain.chosen, defence.noises

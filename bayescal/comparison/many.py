@@ -10,7 +10,6 @@ from threadpoolctl import threadpool_limits
 from bayescal.comparison.defence.stability import BEYOND
 from bayescal.comparison.orders.averaging import USUAL
 from bayescal.comparison.settings import HIGHEST_ORDER, Settings
-from bayescal.errors import InputError
 from bayescal.linear.reduction import Reduction
 from bayescal.points.chunks.drawn import Drawn
 from bayescal.points.chunks.many import ManyPoints
@@ -18,9 +17,8 @@ from bayescal.points.chunks.tally import Tally
 from bayescal.points.correspondences import Correspondences
 from bayescal.polynomials import separable
 from bayescal.polynomials.whole import Whole
-from bayescal.rounding import grouped
 
-# The most points of which a defence is made.
+# A defence of more points reads them again, and leaves out groups and draws.
 DEFENDED = 10_000
 # Place of the sample's random numbers among those of a seed.
 SAMPLE = 1000
@@ -29,26 +27,12 @@ SAMPLE = 1000
 def can_reduce(points: ManyPoints, settings: Settings) -> bool:
     """Whether an analysis needs no more of points than their reduction and a sample.
 
-    Robust noise, replicates, errors of the world coordinates and a defence look at every point.
-
-    Raises
-    ------
-    InputError
-        Where there are too many to defend an order.
+    Robust noise, replicates and errors of the world coordinates look at every point, and a defence
+    of not too many does more with all of them at hand.
     """
-    if settings.defend and not can_defend(points):
-        raise InputError(
-            f"{points.source}: a defence removes and resamples points, which is done for at most "
-            f"{grouped(DEFENDED)}; drop --defend (defend=True), or give a sample"
-        )
     robust, replicates = settings.choice.robust, settings.sigma == "replicates"
-    return points.exact_world and not (robust or replicates or settings.defend)
-
-
-def can_defend(points: ManyPoints | Correspondences) -> bool:
-    """Whether points are few enough to be removed and resampled."""
-    count = points.found.about if isinstance(points, ManyPoints) else points.n
-    return count <= DEFENDED
+    at_hand = settings.defend and points.found.about <= DEFENDED
+    return points.exact_world and not (robust or replicates or at_hand)
 
 
 def reduce_points(

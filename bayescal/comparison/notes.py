@@ -12,8 +12,9 @@ from bayescal.points.notes import point_notes
 
 def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str, ...]:
     """Say what is odd about the points, and what was assumed because nobody said otherwise."""
+    axes = tuple(axes)
     return (
-        *_sampled(points),
+        *_sampled(points, defended=any(axis.defence is not None for axis in axes)),
         *point_notes(points),
         *(
             f"{axis.data.axis}: the image size is not known; the span of the pixels, "
@@ -24,12 +25,16 @@ def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str,
     )
 
 
-def _sampled(points: Correspondences) -> Iterator[str]:
+def _sampled(points: Correspondences, *, defended: bool) -> Iterator[str]:
     """Say which statistics look at a sample only."""
     if points.drawn_from is not None:
+        answers = (
+            "; leave-one-out, removals and resamples are of all points too, read once more, but "
+            "without groups, draws (PSIS) and other noise"
+        )
         yield (
             f"more than {HELD} points are reduced as they are read: least squares, chi-squared, "
             "criteria, evidence and posterior are of all of them, exactly; tests of residuals, "
             "replicates, geometry, figures and the look at other models take "
-            f"{len(points)}, drawn at random by the seed; a defence is not had of so many"
+            f"{len(points)}, drawn at random by the seed{answers if defended else ''}"
         )

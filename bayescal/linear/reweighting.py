@@ -92,9 +92,13 @@ class Rows:
         """Square roots of the counted rows' Gram matrices."""
         m = self.q.shape[1]
         products = (self.q[:, :, None] * self.q[:, None, :]).reshape(-1, m * m)
-        values, vectors = np.linalg.eigh((counts @ products).reshape(-1, m, m))
-        root: Array = np.sqrt(np.maximum(values, 0))[:, :, None] * vectors.transpose(0, 2, 1)
-        return root
+        return roots_of((counts @ products).reshape(-1, m, m))
+
+
+def roots_of(grams: Array) -> Array:
+    """Square roots A with A'A = G of Gram matrices, ``(n_sets, m, m)``."""
+    values, vectors = np.linalg.eigh(grams)
+    return np.asarray(np.sqrt(np.maximum(values, 0))[:, :, None] * vectors.transpose(0, 2, 1))
 
 
 @dataclass(frozen=True, eq=False)

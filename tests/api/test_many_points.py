@@ -97,9 +97,23 @@ def test_what_needs_every_point_has_them(file: Path) -> None:
         bc.compare(file, setup=SETUP, sigma="replicates")
 
 
-def test_a_defence_of_too_many_is_refused() -> None:
-    with pytest.raises(InputError, match=r"for at most 10,000; drop --defend"):
-        bc.compare(np.tile(TABLE, (2, 1)), defend=True)
+def test_a_defence_reads_all_points_again(tmp_path: Path) -> None:
+    np.save(tmp_path / "points.npy", np.concatenate([TABLE, TABLE[::-1]]))
+    asked = ("--orders", "1-2", "--ess", "100", "--axis", "r", "--no-families", "--defend")
+    run = tmp_path / "run"
+    found = here("compare", tmp_path / "points.npy", *CAMERA, *asked, "--out", run)
+    assert found.code == 0
+    assert f"Tested on {HELD} of 12,000 points" in found.out
+    assert "without groups, draws (PSIS)" in " ".join(found.out.split())
+    written = json.loads((run / "result.json").read_text())["axes"]["r"]
+    again = bc.open_run(run)["r"]
+    assert again.defence is not None
+    for order in written["orders"]:
+        prediction = again.defence.prediction[order["order"]]
+        assert prediction.loo.elpd == order["elpd_loo"]
+        # Of n points and p parameters; ln Z of all holds the prior too.
+        assert order["p_loo"] == pytest.approx(order["n_parameters"], abs=1)
+    assert bc.open_run(run, defend=False)["r"].defence is None
 
 
 def test_a_sample_given_again_is_no_whole(reduced: Comparison) -> None:

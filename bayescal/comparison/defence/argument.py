@@ -11,6 +11,7 @@ from bayescal.comparison.findings.beyond_range import beyond_range
 from bayescal.comparison.findings.finding import limits
 from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.rounding import counted, percent, significant
+from bayescal.rounding import grouped as digits
 
 # Leave-one-out contradicts the verdict where its best is ahead by more than both.
 CLEAR_ELPD = 4.0
@@ -38,7 +39,8 @@ def argue(
         _resampled(defence, verdict.order),
     ]
     removed = defence.points_that_matter, defence.groups_that_matter
-    text.append(removal_words(*removed, grouped=defence.group_source is not None))
+    grouped, further = defence.group_source is not None, defence.further_points
+    text.append(removal_words(*removed, grouped=grouped, further=further))
     text.append(_disagreement(verdict, criteria))
     text.append(_leave_one_out(verdict.order, defence.prediction))
     more = []
@@ -102,8 +104,13 @@ def _resampled(defence: Defence, order: int) -> str:
     return f"It wins in {' and '.join(parts)}." if parts else ""
 
 
-def removal_words(points: Sequence[Removal], groups: Sequence[Removal], *, grouped: bool) -> str:
-    """Say which points' and, where they are `grouped`, groups' removal changes the winner."""
+def removal_words(
+    points: Sequence[Removal], groups: Sequence[Removal], *, grouped: bool, further: int = 0
+) -> str:
+    """Say which points' and, where they are `grouped`, groups' removal changes the winner.
+
+    `further` points are not listed.
+    """
     parts = []
     for kind, found in (("point", points), *((("group", groups),) if grouped else ())):
         if not found:
@@ -115,7 +122,8 @@ def removal_words(points: Sequence[Removal], groups: Sequence[Removal], *, group
             + f" {r.winner} would win (ln B {r.log_bayes_factor:.1f})"
             for r in found[:4]
         ]
-        more = f" and {len(found) - 4} more" if len(found) > 4 else ""
+        left = max(len(found) - 4, 0) + (further if kind == "point" else 0)
+        more = f" and {digits(left)} more" if left else ""
         parts.append(", ".join(shown) + more)
     joined = "; ".join(parts)
     return joined[0].upper() + joined[1:] + "."

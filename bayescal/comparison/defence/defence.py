@@ -8,7 +8,7 @@ are left out, and `LEFT_OUT` says so.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -39,8 +39,11 @@ from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.noise.model import NoiseModel
+from bayescal.points.correspondences import Correspondences
 from bayescal.points.groups import Groups
 
+# In a store, by axis.
+NAME = "{} defence"
 LEFT_OUT = (
     "Unavailable without a closed form: exact leave-one-out (PSIS takes its place), bootstrap, "
     "removal of groups, the evidence over fixed tau; the adequacy tests assume Gaussian noise."
@@ -56,24 +59,31 @@ def defend(
     store: Store,
     settings: Settings,
     rng: np.random.Generator,
+    again: Iterable[Correspondences] | None = None,
 ) -> Defence:
     """Answer a referee's questions about one axis; `rng` is the bootstrap's.
 
-    Under a flat prior, which recommends no order, only prediction is compared.
+    Under a flat prior, which recommends no order, only prediction is compared. Where the data are
+    a sample, all points are read `again`.
     """
+    held = axis.data.whole is None
 
     def find() -> Defence:
         exact = {r.order: r.exact for r in results if r.exact is not None}
+        if again is not None:
+            from bayescal.comparison.defence.second_pass import defend_many
+
+            return defend_many(axis, exact, verdict.order, again, rng)
         if exact:
             return _in_closed_form(axis, results, exact, verdict.order, groups, rng)
         return _from_draws(axis, noise, results, verdict.order, store, settings)
 
-    answers = store.once(f"{axis.data.axis} defence", Defence, find)
+    answers = store.once(NAME.format(axis.data.axis), Defence, find)
     if verdict.order is None:
         return answers
     by_order = {r.order: r for r in results}
-    # No spare point tells the shape of the noise.
-    spare = by_order[verdict.order].fit.dof > 0
+    # No spare point tells the shape of the noise, and a sample does not weigh it for all.
+    spare = held and by_order[verdict.order].fit.dof > 0
     return replace(
         answers,
         worth=worth(axis.data, by_order, verdict.order, verdict.plausible),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut, TotalLeaveOneOut
 from bayescal.comparison.defence.sensitivity import TauSensitivity
 from bayescal.comparison.defence.stability import Beyond, Bootstrap, Removal
 from bayescal.comparison.judged import Weighed
@@ -16,7 +16,7 @@ class Prediction:
 
     Attributes
     ----------
-    loo : LeaveOneOut
+    loo : LeaveOneOut or TotalLeaveOneOut
         Exact where there is a closed form, else from the draws.
     difference, difference_se : float
         elpd less the best order's, and its paired standard error.
@@ -29,7 +29,7 @@ class Prediction:
         Labels of the points whose Pareto k is not good, the worst first.
     """
 
-    loo: LeaveOneOut
+    loo: LeaveOneOut | TotalLeaveOneOut
     difference: float
     difference_se: float
     group_elpd: float | None
@@ -70,7 +70,9 @@ class Defence:
     group_source : str or None
         What makes a group: ``"column group"`` or ``"plane z"``.
     points_that_matter, groups_that_matter : tuple of Removal
-        Whose removal changes the winner.
+        Whose removal changes the winner; of many points the strongest.
+    further_points : int
+        How many points more there are whose removal does.
     resampled : tuple of Bootstrap
         By point and, where there are groups, by group.
     worth : tuple of Worth
@@ -88,3 +90,4 @@ class Defence:
     beyond: Beyond | None = None
     worth: tuple[Worth, ...] = ()
     noises: tuple[Weighed, ...] = ()
+    further_points: int = 0

@@ -17,7 +17,7 @@ from bayescal.linear.evidence import log_evidences
 from bayescal.linear.least_squares import Factorisation, factorise
 from bayescal.linear.model import LinearModel
 from bayescal.linear.quadrature import COARSE, FINE
-from bayescal.linear.reweighting import Rows
+from bayescal.linear.reweighting import DataSets, Rows
 from bayescal.noise.level import NoiseLevel
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import distinct_values
@@ -168,7 +168,12 @@ def bootstrap(
     units = len(data) if members is None else len(members)
     drawn = rng.multinomial(units, np.full(units, 1 / units), size=resamples).astype(float)
     counts = drawn if members is None else drawn @ members
-    sets = Rows.of(data, max(models)).counted(counts)
+    return bootstrap_of(Rows.of(data, max(models)).counted(counts), models, unit)
+
+
+def bootstrap_of(sets: DataSets, models: Mapping[int, LinearModel], unit: str) -> Bootstrap:
+    """Count which order wins over data sets of which a `unit` was resampled."""
+    resamples = len(sets.triangles)
     table = np.array(
         [
             log_evidences(sets.reduced(k), model.noise, model.prior, COARSE)

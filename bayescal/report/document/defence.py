@@ -31,6 +31,7 @@ def defence_document(defence: Defence) -> dict[str, Any]:
         },
         "groups": defence.group_source,
         "points_that_matter": removal_rows(defence.points_that_matter),
+        "further_points_that_matter": defence.further_points,
         "groups_that_matter": removal_rows(defence.groups_that_matter),
         "bootstrap": [_bootstrap(b) for b in defence.resampled],
         "beyond": None

@@ -55,8 +55,9 @@ def brief(comparison: Comparison) -> Blocks:
         blocks.append(Part(axis_title(axis), tuple(part)))
     blocks += stability.both_axes(comparison)
     many = comparison.points is not None and comparison.points.drawn_from is not None
-    if not many and any(axis.defence is None for axis in comparison.axes.values()):
-        more = "leave-one-out, prior sensitivity, stability, adequacy, other noise, orders beyond"
+    if any(axis.defence is None for axis in comparison.axes.values()):
+        noise = "" if many else "other noise, "
+        more = f"leave-one-out, prior sensitivity, stability, adequacy, {noise}orders beyond"
         blocks.append(Prose(f"Would it persuade a referee? --defend adds {more}."))
     blocks += sampling(comparison)
     if all(axis.defence is not None for axis in comparison.axes.values()):

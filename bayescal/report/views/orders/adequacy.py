@@ -10,6 +10,7 @@ from bayescal.report.blocks import Blocks, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.report.views.views import Topic
 from bayescal.report.views.words import p_words
+from bayescal.rounding import grouped
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
     from bayescal.comparison.adequacy.outcome import AdequacyTest
@@ -19,9 +20,8 @@ def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
     """Show the tests of an axis."""
     if not axis.adequacy:
         return ()
-    return adequacy_blocks(
-        axis.adequacy, axis.data.axis, f"order {axis.chosen.order} of {axis.data.axis}"
-    )
+    what = f"order {axis.chosen.order} of {axis.data.axis}"
+    return adequacy_blocks(axis.adequacy, axis.data.axis, what, sampled_words(axis))
 
 
 TOPIC = Topic(
@@ -32,7 +32,16 @@ TOPIC = Topic(
 )
 
 
-def adequacy_blocks(tests: Sequence[AdequacyTest], name: str, what: str) -> Blocks:
+def sampled_words(axis: AxisComparison) -> str:
+    """Say of how many points tests and figures are, where these are not all."""
+    if axis.data.whole is None:
+        return ""
+    return f"Tested on {len(axis.data)} of {grouped(axis.data.n)} points drawn at random."
+
+
+def adequacy_blocks(
+    tests: Sequence[AdequacyTest], name: str, what: str, sampled: str = ""
+) -> Blocks:
     """One row per test, then what was not tested; what is of concern, the caveats say."""
     flagged = frozenset(i for i, t in enumerate(filter(_applies, tests)) if t.concern)
     return (
@@ -40,7 +49,7 @@ def adequacy_blocks(tests: Sequence[AdequacyTest], name: str, what: str) -> Bloc
             f"adequacy-{name}",
             f"Adequacy of {what}; concerns are marked.",
             adequacy_table(tests, what),
-            tuple(adequacy_lines(tests)),
+            (*filter(None, [sampled]), *adequacy_lines(tests)),
             flagged=flagged,
         ),
     )

@@ -16,7 +16,9 @@ if TYPE_CHECKING:  # a comparison without a defence does not pay for it
     from bayescal.comparison.defence.results import Defence
 
 EXACT_ELPD = (
-    "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order. "
+    "elpd: exact leave-one-out, one pixel value left out at a time; behind: the best order."
+)
+PSIS_ELPD = (
     "PSIS: the same from the draws, with its Monte Carlo error; ?: it can't be told, as a Pareto k "
     "is too large."
 )
@@ -60,7 +62,9 @@ def prediction_lines(axis: AxisComparison, defence: Defence) -> list[str]:
     """Say what to know of the table of prediction, a sentence or two each."""
     from bayescal.comparison.defence.argument import SMALL_SAMPLE
 
-    lines = [EXACT_ELPD if axis.noise_model.name == GAUSSIAN.name else SAMPLED_ELPD]
+    drawn = any(p.psis is not None for p in defence.prediction.values())
+    exact = f"{EXACT_ELPD} {PSIS_ELPD}" if drawn else EXACT_ELPD
+    lines = [exact if axis.noise_model.name == GAUSSIAN.name else SAMPLED_ELPD]
     lines += _influential(axis, defence)
     if axis.data.n < SMALL_SAMPLE:
         lines.append(
@@ -93,15 +97,19 @@ def _influential(axis: AxisComparison, defence: Defence) -> list[str]:
 def prediction_table(axis: AxisComparison, defence: Defence) -> Table:
     """Leave-one-out of every order, exact and from the draws."""
     grouped = any(p.group_elpd is not None for p in defence.prediction.values())
+    drawn = any(p.psis is not None for p in defence.prediction.values())
     columns = [
         Column("elpd", "expected log pointwise predictive density, exact leave-one-out, nat"),
         Column("SE", "its standard error"),
         Column("behind", "elpd behind the best order's"),
         Column("± SE", "standard error of that difference, paired"),
         Column("p eff", "effective number of parameters"),
-        Column("PSIS", "elpd from the draws, Pareto-smoothed importance sampling, ± MC error"),
-        Column("k max", "largest Pareto k; above 0.7 PSIS is no check at that point"),
     ]
+    if drawn:
+        columns += [
+            Column("PSIS", "elpd from the draws, Pareto-smoothed importance sampling, ± MC error"),
+            Column("k max", "largest Pareto k; above 0.7 PSIS is no check at that point"),
+        ]
     if grouped:
         columns.append(Column("by group", "the same with a whole group left out at a time"))
     rows = []
@@ -111,7 +119,7 @@ def prediction_table(axis: AxisComparison, defence: Defence) -> Table:
             number_cell(value, one_decimal)
             for value in (loo.elpd, loo.se, abs(found.difference), found.difference_se, loo.p_eff)
         ]
-        cells += _psis_cells(found.psis)
+        cells += _psis_cells(found.psis) if drawn else []
         rows.append([*cells, *[number_cell(found.group_elpd, one_decimal)] * grouped])
     spare = ("p eff", "SE", "k max", "PSIS")
     return order_table(list(defence.prediction), columns, rows, axis.verdict.order, spare=spare)
