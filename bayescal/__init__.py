@@ -27,7 +27,7 @@ _EXPORTS = {
     "Setup": "bayescal.points.setup",
     "Views": "bayescal.points.views.views",
     "load": "bayescal.points.reader",
-    "load_setup": "bayescal.points.setup",
+    "load_setup": "bayescal.points.setup_file",
     "load_views": "bayescal.points.views.reader",
     "save": "bayescal.points.writer",
     "save_views": "bayescal.points.views.writer",
@@ -130,7 +130,8 @@ if TYPE_CHECKING:
     from bayescal.points.bundled import chessboard, thesis
     from bayescal.points.correspondences import Correspondences
     from bayescal.points.reader import load
-    from bayescal.points.setup import Setup, load_setup
+    from bayescal.points.setup import Setup
+    from bayescal.points.setup_file import load_setup
     from bayescal.points.views.reader import load_views
     from bayescal.points.views.views import Views
     from bayescal.points.views.writer import save_views

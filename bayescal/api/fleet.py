@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import inspect
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -20,6 +21,7 @@ from bayescal.fleets.judging import Camera, judge_fleet
 from bayescal.fleets.listed import Listed, listed
 from bayescal.fleets.record import Record
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.reader import camera_of
 from bayescal.points.setup import Setup
 from bayescal.points.views.views import Views
 
@@ -63,7 +65,8 @@ def fleet(
     seed : int, optional
         Each camera's own seed follows from it and from its points.
     setup : Setup or str or Path, optional
-        What is known of cameras that are read from files and have no setup of their own.
+        What is known of cameras that are read from files and have no setup of their own, and the
+        title block of the page.
     read : callable, optional
         Reads a camera's file; by default `load` or `load_views`.
     progress : callable, optional
@@ -114,6 +117,8 @@ def fleet(
             workers=workers,
             progress=progress or (lambda _: None),
         )
+        if setup is not None:
+            found = dataclasses.replace(found, heading=camera_of(setup).heading)
         if place is not None:
             from bayescal.report.page.fleet import save_fleet
 

@@ -96,6 +96,7 @@ def run(options: argparse.Namespace) -> int:
                 scheduler=options.scheduler,
                 workers=options.workers,
                 seed=options.seed or 0,
+                setup=options.setup,
                 read=lambda camera: _read(options, camera),
                 progress=progress.named,
                 command=options.command_line,

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from bayescal.comparison.families.results import FamilyComparison
     from bayescal.comparison.outliers.results import OutlierStudy
     from bayescal.comparison.results import Comparison
+    from bayescal.points.heading import Heading
     from bayescal.report.page.page import Page
 
 DESCRIPTION = (
@@ -46,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output.add_argument("--force", action="store_true", help="replace existing files")
     output.add_argument("--quiet", action="store_true", help="don't say the verdict")
     add_progress(output)
-    heading = parser.add_argument_group("title block")
+    heading = parser.add_argument_group("title block (by default as the setup's [report] says)")
     heading.add_argument("--title", default="", metavar="TEXT", help="heads the page")
     for name, what in (
         ("camera", "which camera was calibrated"),
@@ -59,6 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Compare or reopen, write the page; return the exit code."""
     from bayescal.files import write_whole
+    from bayescal.points.heading import Heading
     from bayescal.report.page.pdf import check_browser, find_browser, print_pdf
 
     out = Path(options.out)
@@ -79,7 +81,8 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(
             f"report: families are joint models of r and c; drop --axis {options.axis}"
         )
-    page, lines, sound = _page(options, asked)
+    heading = Heading(options.title, options.camera, options.serial, options.operator)
+    page, lines, sound = _page(options, asked, heading)
     from bayescal.report.page.page import html
 
     made = html(page)
@@ -102,10 +105,10 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _page(
-    options: argparse.Namespace, asked: dict[str, Any] | None
+    options: argparse.Namespace, asked: dict[str, Any] | None, heading: Heading
 ) -> tuple[Page, list[str], bool]:
     """Make the page, what to say of it in a few lines, and whether it is sound."""
-    from bayescal.report.page.page import Heading, chapters, page_of
+    from bayescal.report.page.page import chapters, page_of
     from bayescal.report.runs import kind_of
 
     result = _reopened(options, asked) if shared.is_run(options, SETTLED) else None
@@ -120,8 +123,9 @@ def _page(
         beside.append(_bad_points(options, result))
     count = len(chapters(result, *beside))
     with shared.Progress(options, count, "drawing") as progress:
-        said = Heading(options.title, options.camera, options.serial, options.operator)
-        page = page_of(result, options.command_line, *beside, heading=said, progress=progress.named)
+        page = page_of(
+            result, options.command_line, *beside, heading=heading, progress=progress.named
+        )
     shown = [result, *beside]
     lines = [line for found in shown for line in kind_of(found).views.headlines(found)]
     return page, lines, all(found.sound for found in shown)

@@ -89,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
         check_file(options, Path(options.out))
     import numpy as np
 
-    from bayescal.points.setup import load_setup
+    from bayescal.points.setup_file import load_setup
     from bayescal.points.writer import to_csv
     from bayescal.simulation import simulate
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from bayescal.fleets.odd import Oddity, Spread, choices_of, common_model, oddities, spreads
 from bayescal.fleets.record import Choice, Member, Record
 from bayescal.fleets.table import columns
+from bayescal.points.heading import SILENT, Heading
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,11 +27,14 @@ class Fleet:
         What was asked for of every camera.
     taken : int
         How many an earlier run had judged.
+    heading : Heading
+        What the title block of its page says.
     """
 
     members: tuple[Member, ...]
     settings: dict[str, Any] = field(default_factory=dict)
     taken: int = 0
+    heading: Heading = SILENT
 
     @cached_property
     def records(self) -> dict[str, Record]:

@@ -14,7 +14,8 @@ import pandas as pd
 import pytest
 
 import bayescal as bc
-from bayescal.points.writer import to_csv, to_toml
+from bayescal.points.setup_file import to_toml
+from bayescal.points.writer import to_csv
 
 POINTS = bc.thesis()
 TABLE = np.hstack([POINTS.world, POINTS.pixels])

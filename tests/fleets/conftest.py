@@ -5,14 +5,15 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.points.writer import to_toml
+from bayescal.points.heading import Heading
+from bayescal.points.setup_file import to_toml
 from bayescal.simulation import simulate
 from tests.helpers.command import environment
 
@@ -76,6 +77,6 @@ def files(cameras: dict[str, bc.Correspondences], tmp_path: Path) -> Path:
     (tmp_path / "cameras").mkdir()
     for name, points in list(cameras.items())[:4]:
         bc.save(points, tmp_path / "cameras" / f"{name}.csv")
-    (tmp_path / "setup.toml").write_text(to_toml(points.setup))
+    (tmp_path / "setup.toml").write_text(to_toml(replace(points.setup, heading=Heading("Line 3"))))
     (tmp_path / "cameras" / "bad.csv").write_text("x,y,z,r,c\n1,2,3,4\n")
     return tmp_path

@@ -114,6 +114,7 @@ def test_the_command(cluster, files, monkeypatch):
     (files / "cameras" / "bad.csv").unlink()
     page = (files / "out" / "index.html").read_text()
     assert "camera 00" in page
+    assert "<h1>Line 3</h1>" in page
     third = here(*command, "--json", "-")
     assert third.code == 0
     assert json.loads(third.out)["data"]["n_cameras"] == 4

@@ -15,8 +15,10 @@ from hypothesis import strategies as st
 import bayescal as bc
 from bayescal.errors import OutputError
 from bayescal.points.camera import StatedCamera
+from bayescal.points.heading import Heading
 from bayescal.points.setup import StatedPrior
-from bayescal.points.writer import to_csv, to_toml
+from bayescal.points.setup_file import to_toml
+from bayescal.points.writer import to_csv
 from tests.helpers.points_files import rows
 
 COORDINATES = st.floats(min_value=-9e99, max_value=9e99)
@@ -72,6 +74,7 @@ PRIORS = st.integers(1, 4).flatmap(
     )
 )
 SD = st.floats(1e-6, 100)
+PRINTABLE = st.characters().filter(str.isprintable)
 CAMERA = {
     "position_sd": st.none() | st.tuples(SD, SD, SD),
     "orientation": st.none() | NUMBERS,
@@ -93,6 +96,7 @@ SETUP = {
     "priors": st.dictionaries(st.sampled_from(["r", "c"]), PRIORS),
     "world_sigma": st.none() | st.tuples(*[st.floats(0, 9e99)] * 3),
     "camera": st.builds(StatedCamera, **CAMERA),
+    "heading": st.builds(Heading, *[st.text(PRINTABLE, max_size=9)] * 4),
 }
 
 

@@ -186,7 +186,7 @@ def points(options: argparse.Namespace) -> Correspondences:
 
 def with_camera(found: Points, options: argparse.Namespace) -> Points:
     """Give points the camera that the options state."""
-    from bayescal.points.setup import load_setup
+    from bayescal.points.setup_file import load_setup
 
     base = load_setup(options.setup) if options.setup is not None else found.setup
     flags: dict[str, Any] = {

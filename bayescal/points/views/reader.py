@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from bayescal.errors import InputError
-from bayescal.points.setup import Setup, load_setup
+from bayescal.points.setup import Setup
+from bayescal.points.setup_file import load_setup
 from bayescal.points.tables.columns import parse_stated
 from bayescal.points.tables.frames import is_frame
 from bayescal.points.tables.table import read_bytes
@@ -57,7 +58,7 @@ def load_views(
     width, height : float, optional
         Image size, px; goes before what the file says.
     setup : Setup or str or Path, optional
-        A setup, or its TOML file, for the image size.
+        A setup, or its TOML file, for the image size and the title block of a report.
 
     Returns
     -------
@@ -79,7 +80,11 @@ def load_views(
     else:
         given = _source(source, board, square, stated)
         found = _format(given).read(given)
-    return _sized(_kept(found, only), *_stated(width, height, setup))
+    if setup is None:
+        return _sized(_kept(found, only), width, height)
+    camera = _camera(setup)
+    own = (camera.width if width is None else width, camera.height if height is None else height)
+    return dataclasses.replace(_sized(_kept(found, only), *own), heading=camera.heading)
 
 
 def _source(
@@ -141,19 +146,14 @@ def _format(source: Source) -> Any:
     return found
 
 
-def _stated(
-    width: float | None, height: float | None, setup: Setup | str | Path | None
-) -> tuple[float | None, float | None]:
-    """Image size that the user states, by options or in a setup."""
-    if setup is not None:
-        if not isinstance(setup, Setup | str | Path):
-            raise InputError(f"setup must be a Setup or a TOML file, not {type(setup).__name__}")
-        camera = setup if isinstance(setup, Setup) else load_setup(setup)
-        if camera.c_from_bottom:
-            raise InputError("views count c from the top; leave c_from_bottom out of the setup")
-        width = camera.width if width is None else width
-        height = camera.height if height is None else height
-    return width, height
+def _camera(setup: Setup | str | Path) -> Setup:
+    """Read what the user states of the camera."""
+    if not isinstance(setup, Setup | str | Path):
+        raise InputError(f"setup must be a Setup or a TOML file, not {type(setup).__name__}")
+    camera = setup if isinstance(setup, Setup) else load_setup(setup)
+    if camera.c_from_bottom:
+        raise InputError("views count c from the top; leave c_from_bottom out of the setup")
+    return camera
 
 
 def _sized(views: Views, width: float | None, height: float | None) -> Views:

@@ -10,6 +10,7 @@ import numpy as np
 from bayescal.arrays import Array, IntArray, frozen
 from bayescal.errors import InputError
 from bayescal.points.tables.text import quoted
+from bayescal.points.heading import SILENT, Heading
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +32,7 @@ class ViewRows:
     lines: tuple[int, ...] | None = None
     sha256: str = ""
     notes: tuple[str, ...] = field(default=())
+    heading: Heading = SILENT
 
     def __len__(self) -> int:
         return len(self.names)

@@ -58,6 +58,8 @@ class Views(ViewRows):
         Hash of the file's bytes, or of the numbers where there was no file.
     notes : tuple of str
         What the reader assumed or left out, a line each.
+    heading : Heading
+        What the title block of a report says.
     """
 
     @classmethod

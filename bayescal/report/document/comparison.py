@@ -10,6 +10,7 @@ import numpy as np
 from bayescal.comparison.orders.averaging import AveragedPrediction
 from bayescal.comparison.orders.sufficiency import Sufficiency
 from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.points.heading import SILENT, Heading
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.document.defence import adequacy_rows, defence_document
 from bayescal.report.document.order import order_document
@@ -44,6 +45,7 @@ def comparison_document(comparison: Comparison, command: str) -> dict[str, Any]:
         "provenance": comparison.origin or provenance(command, comparison.settings),
         "settings": asdict(comparison.settings),
         "data": _data(comparison),
+        "report": _heading(comparison).facts,
         "family": comparison.family,
         "axes": axes,
         "verdict": {
@@ -54,6 +56,10 @@ def comparison_document(comparison: Comparison, command: str) -> dict[str, Any]:
         "notes": list(comparison.notes),
         **({} if comparison.hint is None else {"families": {"hint": comparison.hint}}),
     }
+
+
+def _heading(comparison: Comparison) -> Heading:
+    return SILENT if comparison.points is None else comparison.points.setup.heading
 
 
 def _joint(comparison: Comparison) -> dict[str, Any] | None:

@@ -43,6 +43,7 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
         "provenance": found.origin or provenance(command, found.settings),
         "settings": settings_facts(found.request, found.settings),
         "data": points_facts(found.points),
+        "report": found.points.setup.heading.facts,
         "families": {
             "radial": found.request.radial,
             "noise": dict(zip(("r", "c"), found.noise, strict=True)),

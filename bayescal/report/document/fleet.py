@@ -31,6 +31,7 @@ def fleet_document(fleet: Fleet, command: str) -> dict[str, Any]:
             "n_failed": len(fleet.failed),
             "n_points": sum(record.n_points for record in fleet.records.values()),
         },
+        "report": fleet.heading.facts,
         "common": fleet.common,
         "spreads": [
             {"of": s.of, "name": s.name, "n": len(s.values), "median": s.median, "sd": s.scale}

@@ -50,6 +50,7 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
             },
             "target_diagonal": views.diagonal,
         },
+        "report": views.heading.facts,
         "noise": {
             "kind": "gaussian",
             "sigma_px": found.setting.level.sigma,

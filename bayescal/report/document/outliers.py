@@ -32,6 +32,7 @@ def outliers_document(study: OutlierStudy, command: str) -> dict[str, Any]:
         "schema": SCHEMA,
         "provenance": study.origin or provenance(command, study.settings),
         "data": points_facts(study.points),
+        "report": study.points.setup.heading.facts,
         "significance": study.significance,
         "settings": _settings(study),
         "axes": {name: _axis_document(axis) for name, axis in study.axes.items()},

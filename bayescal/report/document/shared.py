@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 from bayescal.comparison.findings.finding import Finding
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.heading import Heading
 from bayescal.version import __version__
 
 if TYPE_CHECKING:  # Gaussian noise samples nothing of the kind
@@ -71,6 +72,12 @@ def points_facts(points: Correspondences) -> dict[str, Any]:
         "c_from_bottom": setup.c_from_bottom,
         "assumed": list(setup.assumed),
     }
+
+
+def stated_heading(document: Mapping[str, Any]) -> Heading:
+    """Give what a document says for the title block."""
+    said = document.get("report") or {}
+    return Heading(**{name: text for name, text in said.items() if text})
 
 
 def findings_facts(findings: Iterable[Finding]) -> list[dict[str, str]]:

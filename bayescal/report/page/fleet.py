@@ -49,11 +49,12 @@ def fleet_page(fleet: Fleet, document: dict[str, object]) -> Page:
     assert isinstance(origin, dict)
     wrong = len(fleet.failed) + len(fleet.unsound)
     return Page(
-        title="A fleet of cameras",
+        title=fleet.heading.title or "A fleet of cameras",
         about=tuple(f"{line}." for line in views.about(fleet)),
         warning=f"{counted(wrong, 'camera')} not judged, or not soundly." if wrong else "",
         sections=(first, *spread, *rest, provenance.section({"fleet": document})),
         created=origin["created"],
+        heading=fleet.heading,
     )
 
 

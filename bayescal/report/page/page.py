@@ -14,33 +14,15 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from bayescal.files import write_whole
+from bayescal.points.heading import SILENT, Heading
 from bayescal.report.blocks import Prose, Section
+from bayescal.report.document.shared import stated_heading
 from bayescal.report.page.numbering import numbered
 from bayescal.report.page.pictures import drawn
 from bayescal.report.page.typography import sentence, symbol, typeset, visible
 from bayescal.report.runs import kind_of
 from bayescal.report.views import provenance
 from bayescal.version import __version__
-
-
-@dataclass(frozen=True)
-class Heading:
-    """What whoever orders a page says of it; empty: nothing.
-
-    Attributes
-    ----------
-    title : str
-        In place of the kind's own.
-    camera, serial : str
-        Which camera was calibrated, and its serial number.
-    operator : str
-        Who calibrated it.
-    """
-
-    title: str = ""
-    camera: str = ""
-    serial: str = ""
-    operator: str = ""
 
 
 @dataclass(frozen=True)
@@ -63,7 +45,7 @@ class Page:
     warning: str
     sections: tuple[Section, ...]
     created: str
-    heading: Heading = Heading()
+    heading: Heading = SILENT
 
     @property
     def made_by(self) -> str:
@@ -88,7 +70,7 @@ def page_of(
     result: Any,
     command: str,
     *beside: Any,
-    heading: Heading = Heading(),
+    heading: Heading = SILENT,
     progress: Callable[[str], None] | None = None,
 ) -> Page:
     """Collect everything that a page shows.
@@ -100,14 +82,15 @@ def page_of(
     *beside : FamilyComparison or OutlierStudy
         Results on the same points, shown in chapters of their own.
     heading : Heading, optional
-        What the title block says of camera and operator.
+        What the title block says, before what the result itself says.
     progress : callable, optional
         Called with a chapter's name before it is made: drawing takes most of the time.
     """
     kind, views = kind_of(result), kind_of(result).views
     document = kind.document(result, command)
     origin = document["provenance"]
-    documents = {kind.element: document}
+    heading = heading.over(stated_heading(document))
+    documents = {kind.element: {**document, "report": heading.facts}}
     for other in beside:
         found = kind_of(other)
         documents[found.element] = found.document(other, origin["command"])
@@ -196,9 +179,10 @@ def save_report(
         Sections that need a defence (``defend=True``) are left out where it has none.
     path : str or Path
     title : str, optional
-        Heads the page; by default what the kind of result is.
+        Heads the page; by default what the setup says, or what the kind of result is.
     camera, serial, operator : str, optional
-        For the title block: which camera was calibrated, its serial number, and by whom.
+        For the title block: which camera was calibrated, its serial number, and by whom; by
+        default what the setup says (``[report]``).
     force : bool, optional
         Replace an existing file.
 

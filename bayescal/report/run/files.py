@@ -24,7 +24,7 @@ from bayescal.points.tables.text import reason
 from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
 from bayescal.polynomials.whole import Whole
-from bayescal.report.document.shared import versions
+from bayescal.report.document.shared import stated_heading, versions
 from bayescal.report.run.bounded import bounded
 from bayescal.report.run.folder import (
     DERIVED,
@@ -157,7 +157,8 @@ class RunFiles:
     def views(self) -> Views:
         """Read the views, which name the source they once came from."""
         self.content(VIEWS)
-        return self._named(load_views(self.folder / VIEWS))
+        read = self._named(load_views(self.folder / VIEWS))
+        return dataclasses.replace(read, heading=stated_heading(self.document))
 
     def _named(self, read: Rows) -> Rows:
         """Give what was read the source, the lines and the notes it once had."""

@@ -12,7 +12,8 @@ from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.files import FolderKind, check_folder, write_folder
 from bayescal.inference.arviz_bridge import Draws
-from bayescal.points.writer import to_csv, to_toml
+from bayescal.points.setup_file import to_toml
+from bayescal.points.writer import to_csv
 from bayescal.report.blocks import Blocks
 from bayescal.report.document.shared import dumps
 from bayescal.report.run.camera import CAMERA, camera_bytes_of

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import shutil
 from collections.abc import Callable
@@ -16,6 +17,7 @@ import bayescal as bc
 from bayescal.calibration import judge, least_squares
 from bayescal.comparison.lenses import fitted, left_out
 from bayescal.comparison.lenses.results import LensComparison
+from bayescal.points.heading import Heading
 from bayescal.report.document.lenses import lenses_document
 from bayescal.report.document.shared import dumps, schema
 from bayescal.report.figures.lenses import bow, uncertainty
@@ -32,6 +34,7 @@ def made() -> LensComparison:
     width, height = boards.SIZE
     names = [f"photo {i}" for i in range(6)]
     views = bc.Views.from_arrays([world] * 6, list(pixels), names=names, width=width, height=height)
+    views = dataclasses.replace(views, heading=Heading("Gate 4", serial="A-1"))
     return bc.calibrate(views, lenses=["radial 1", "radial 2"], sigma="per-view", ess=100)
 
 
@@ -51,6 +54,7 @@ def test_the_document_of_a_reopened_run_is_the_run_s_to_the_byte(run: Path) -> N
     kept = (run / "result.json").read_text(encoding="utf-8")
     assert dumps(lenses_document(bc.open_run(run), "another command")) == kept
     jsonschema.validate(json.loads(kept), schema("lenses"))
+    assert json.loads(kept)["report"]["serial"] == "A-1"
 
 
 def test_saved_again_every_file_is_the_same(run: Path, tmp_path: Path) -> None:

@@ -10,9 +10,10 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.results import Comparison
+from bayescal.points.heading import Heading
 from bayescal.report.blocks import Section
 from bayescal.report.document.comparison import comparison_document
-from bayescal.report.page.page import Heading, Page, html, page_of, save_report
+from bayescal.report.page.page import Page, html, page_of, save_report
 from bayescal.report.page.typography import symbol, typeset, visible
 from tests.helpers.page import read
 from tests.helpers.points_files import rows, text, write
