@@ -18,8 +18,8 @@ from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.inference.estimate import EvidenceEstimate
 
-# Log densities held at once, and the fewest draws worth it.
-NUMBERS = 20_000_000
+# Log densities held at once, those worked on at once, and the fewest draws worth it.
+NUMBERS, BLOCK = 20_000_000, 2_000_000
 FEWEST_DRAWS = 400
 ENOUGH = 4000  # draws, at most twice as many
 GOOD_K = 0.7
@@ -74,11 +74,10 @@ def sampled_leave_one_out(
     draws = thinned(drawn.completed, units)
     if draws is None or units < 2:
         return None
-    density = left_out(draws).T
+    density = _densities(left_out, draws, units)
     if not np.isfinite(density).all():
         return None
-    pointwise, influence, shape = psis_loo(density)
-    shape = np.where(np.isfinite(shape), shape, np.inf)
+    pointwise, shape, shared, apart = _smoothed(density)
     refitted, variance, whole = [], 0.0, drawn.estimate
     if without is not None and whole is not None and whole.certain:
         heavy = np.flatnonzero(shape >= REFITTED)
@@ -92,10 +91,10 @@ def sampled_leave_one_out(
         variance += (len(refitted) * whole.error) ** 2
     if not np.isfinite(pointwise).all():
         return None
-    shared = np.delete(influence, refitted, axis=0).sum(axis=0)
+    shared += sum(row for i, row in apart.items() if i not in refitted)
     # Dependent draws are worth fewer independent ones; the mcse counts them as such.
     variance += float(shared @ shared) / min(1.0, drawn.effective / len(draws))
-    inside = float((logsumexp(density, axis=1) - math.log(len(draws))).sum())
+    inside = math.fsum(logsumexp(row) - math.log(len(draws)) for row in density)
     return LeaveOneOut(
         frozen(pointwise),
         inside - float(pointwise.sum()),
@@ -104,6 +103,42 @@ def sampled_leave_one_out(
         good_k(len(draws)),
         math.sqrt(variance),
     )
+
+
+def _densities(left_out: LeftOut, draws: Array, units: int) -> Array:
+    """Log density of each unit at each draw, ``(n_units, n_draws)``; few draws at a time."""
+    out = np.empty((units, len(draws)))
+    step = max(1, BLOCK // units)
+    for start in range(0, len(draws), step):
+        part = slice(start, start + step)
+        out[:, part] = left_out(draws[part]).T
+    return out
+
+
+def _smoothed(density: Array) -> tuple[Array, Array, Array, dict[int, Array]]:
+    """Leave units out, few at a time.
+
+    Returns
+    -------
+    pointwise, shape : Array
+        Terms and Pareto k, ``(n_units,)``.
+    shared : Array
+        Sum of the draws' influences on the terms of good k, ``(n_draws,)``.
+    apart : dict of int to Array
+        Those on the others, ``(n_draws,)`` by unit.
+    """
+    terms, shapes, shared = [], [], np.zeros(density.shape[1])
+    apart: dict[int, Array] = {}
+    step = max(1, BLOCK // density.shape[1])
+    for start in range(0, len(density), step):
+        found = psis_loo(density[start : start + step])
+        shape = np.where(np.isfinite(found.pareto_k), found.pareto_k, np.inf)
+        heavy = shape >= REFITTED
+        shared += found.influence[~heavy].sum(axis=0)
+        apart |= {start + i: found.influence[i] for i in np.flatnonzero(heavy).tolist()}
+        terms.append(found.pointwise)
+        shapes.append(shape)
+    return np.concatenate(terms), np.concatenate(shapes), shared, apart
 
 
 def of_both(r: LeaveOneOut, c: LeaveOneOut) -> LeaveOneOut:

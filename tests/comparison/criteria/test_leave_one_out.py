@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from bayescal.comparison.criteria import psis
 from bayescal.comparison.criteria.leave_one_out import leave_one_out, paired_difference
 from bayescal.inference.arviz_bridge import psis_loo
 from bayescal.linear.closed_form import exact_posterior
@@ -263,3 +264,19 @@ def test_the_error_of_a_sum_takes_in_that_its_terms_share_draws():
     alone, both = (np.linalg.norm(found.influence.sum(axis=0)) for found in (one, two))
     assert alone == pytest.approx(one.mcse[0])
     assert both == pytest.approx(2 * alone)
+
+
+def test_points_in_blocks_are_left_out_as_all_at_once(monkeypatch):
+    rng = np.random.default_rng(0)
+    theta, pixels = rng.normal(0, 0.1, (1000, 1)), rng.normal(0, 1, 30)
+    found = []
+    for size in (psis.BLOCK, 7000):
+        monkeypatch.setattr(psis, "BLOCK", size)
+        drawn = psis.Draws(theta, 1000.0)
+        loo = psis.sampled_leave_one_out(drawn, lambda draws: stats.norm.logpdf(pixels - draws))
+        found.append(loo)
+    whole, blocks = found
+    np.testing.assert_allclose(blocks.pointwise, whole.pointwise, rtol=1e-13)
+    np.testing.assert_allclose(blocks.pareto_k, whole.pareto_k, rtol=1e-9)
+    assert blocks.mcse == pytest.approx(whole.mcse, rel=1e-12)
+    assert blocks.p_eff == pytest.approx(whole.p_eff, rel=1e-9)
