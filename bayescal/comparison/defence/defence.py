@@ -13,11 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from bayescal.arrays import Array
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.criteria.pointwise import gaussian_density
 from bayescal.comparison.criteria.psis import Draws, sampled_leave_one_out
 from bayescal.comparison.defence.other_noise import other_noises
+from bayescal.comparison.defence.parts import closed_forms, group_elpd, models_of, resamples
 from bayescal.comparison.defence.prediction import predictions, worth
 from bayescal.comparison.defence.results import Defence
 from bayescal.comparison.defence.sensitivity import tau_sensitivity
@@ -26,7 +26,6 @@ from bayescal.comparison.defence.stability import (
     Removal,
     beyond,
     beyond_of,
-    bootstrap,
     orders_beyond,
     removals,
     without_groups,
@@ -69,7 +68,7 @@ def defend(
     held = axis.data.whole is None
 
     def find() -> Defence:
-        exact = {r.order: r.exact for r in results if r.exact is not None}
+        exact = closed_forms(results)
         if again is not None:
             from bayescal.comparison.defence.second_pass import defend_many
 
@@ -99,30 +98,27 @@ def _in_closed_form(
     groups: Groups | None,
     rng: np.random.Generator,
 ) -> Defence:
-    data, models = axis.data, {k: e.model for k, e in exact.items()}
+    data, models = axis.data, models_of(exact)
     integrals = {k: e.log_integral for k, e in exact.items()}
     grouped = None if groups is None else without_groups(data, models, groups.members)
     psis = {r.order: _psis(axis, r, exact[r.order]) for r in results}
-    by_group = {k: _elpd(integrals[k] - left) for k, left in (grouped or {}).items()}
-    prediction = predictions(data, results, psis, by_group)
+    prediction = predictions(data, results, psis, group_elpd(exact, grouped or {}))
     source = None if groups is None else groups.source
     if order is None:
         return Defence(prediction, group_source=source)
     names, sizes = data.labels, [1] * len(data)
     without = {r.order: integrals[r.order] - r.loo.pointwise for r in results if r.loo is not None}
-    resampled = [bootstrap(data, models, rng)]
     groups_out: tuple[Removal, ...] = ()
     if groups is not None and grouped is not None:
         counts = groups.members.sum(axis=1).astype(int).tolist()
         groups_out = removals(groups.names, counts, grouped, order)
-        resampled.append(bootstrap(data, models, rng, groups.members))
     return Defence(
         prediction,
         tau_sensitivity(models) if axis.rule.name == "field" else None,
         source,
         removals(names, sizes, without, order),
         groups_out,
-        tuple(resampled),
+        resamples(data, exact, groups, rng),
         beyond(data, integrals, axis.noise, axis.rule),
     )
 
@@ -133,10 +129,6 @@ def _psis(axis: Axis, result: OrderResult, exact: ExactPosterior) -> LeaveOneOut
     theta = posterior.chain.theta.reshape(-1, exact.model.dimension)
     draws = Draws(theta, min(p.ess_bulk for p in posterior.parameters))
     return sampled_leave_one_out(draws, gaussian_density(axis.data, exact))
-
-
-def _elpd(terms: Array) -> float | None:
-    return None if np.isnan(terms).any() else float(terms.sum())
 
 
 def _from_draws(

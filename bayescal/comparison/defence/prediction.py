@@ -29,7 +29,7 @@ def predictions(
     best = max(known.values(), key=lambda loo: loo.elpd)
     out = {}
     for k, loo in known.items():
-        found = psis[k]
+        found = psis.get(k)
         worst = () if found is None else tuple(data.labels[i] for i in found.unreliable)
         out[k] = Prediction(loo, *paired_difference(loo, best), groups.get(k), found, worst)
     return out

@@ -78,8 +78,8 @@ class Subject:
     @property
     def group_words(self) -> str:
         """What makes a group, in words."""
-        defence = self.axis.defence
-        source = (defence.group_source if defence is not None else None) or "column group"
+        points = self.comparison.points
+        source = "column group" if points is None else points.causes()[0]
         return f"points that share a {source.removeprefix('column ')}"
 
     def check_order(self) -> None:

@@ -68,7 +68,6 @@ MAKERS = {
 }
 FLAT = "flat prior"
 ONE_AXIS = ("three points", "no freedom", "fixed tau", "generic", "twenty orders")
-PLAIN = ("exact", "hostile", "fixed tau", "own deviations", "generic", "twenty orders")
 # Why a kind can't be drawn of a comparison: a part of what it says.
 REASONS = {
     ("three points", "qq"): "too few",
@@ -78,7 +77,6 @@ REASONS = {
     ("flat", "evidence"): FLAT,
     ("flat", "bootstrap"): FLAT,
     **{(name, "joint"): "both axes" for name in ONE_AXIS},
-    **{(name, kind): "defended" for name in PLAIN for kind in ("loo", "bootstrap")},
     ("generic", "other"): "x alone",
     ("generic", "image"): "x alone",
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from bayescal.comparison.results import AxisComparison
+from bayescal.comparison.defence.parts import stability_of
 from bayescal.errors import InputError
 from bayescal.report.figures.style import BLUE, ORANGE, PALE, WIDTH, legend_of, one_panel
 from bayescal.report.figures.subject import Subject
@@ -13,9 +13,8 @@ from bayescal.rounding import percent
 
 def draw(subject: Subject) -> Figure:
     """Draw bars per order: share of resamples won, and probability with orders beyond."""
-    axis = subject.axis
-    series = _series(axis)
-    orders = list(_beyond(axis))
+    axis, series = subject.axis, _series(subject)
+    orders = list([*series.values()][-1])
     figure, panel = one_panel(WIDTH, 3.0)
     width = 0.8 / len(series)
     for place, ((label, shares), colour) in enumerate(
@@ -37,25 +36,22 @@ def draw(subject: Subject) -> Figure:
     return figure
 
 
-def _beyond(axis: AxisComparison) -> dict[int, float]:
-    """Probability of every order, compared and beyond."""
-    if axis.defence is None or axis.defence.beyond is None:
-        raise InputError("bootstrap needs evidence, and a flat prior has none")
-    return axis.defence.beyond.probability
-
-
-def _series(axis: AxisComparison) -> dict[str, dict[int, float]]:
-    """Shares by order, under what they are of."""
-    beyond = _beyond(axis)
-    resampled = axis.defence.resampled if axis.defence is not None else ()
+def _series(subject: Subject) -> dict[str, dict[int, float]]:
+    """Shares by order, under what they are of; the last has every order, compared and beyond."""
+    resampled, beyond = stability_of(subject.comparison, subject.axis.data.axis)
+    if beyond is None:
+        raise InputError(
+            "bootstrap needs a closed form with an evidence; robust noise has orders beyond with "
+            "--defend, a flat prior none"
+        )
     series = {f"wins with {b.unit}s resampled": b.share for b in resampled}
-    return {**series, "probability with orders beyond": beyond}
+    return {**series, "probability with orders beyond": beyond.probability}
 
 
 def alt_text(subject: Subject) -> str:
     """Say every share."""
     parts = []
-    for label, shares in _series(subject.axis).items():
+    for label, shares in _series(subject).items():
         values = ", ".join(f"order {k} {percent(share)}" for k, share in shares.items())
         parts.append(f"{label[0].upper()}{label[1:]}: {values}.")
     return f"Bars of {subject.axis.data.axis} by order. {' '.join(parts)}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
+from bayescal.comparison.defence.parts import prediction_of
 from bayescal.comparison.defence.results import Prediction
 from bayescal.errors import InputError
 from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH, legend_of, one_panel
@@ -53,10 +54,10 @@ def draw(subject: Subject) -> Figure:
 
 
 def _prediction(subject: Subject) -> dict[int, Prediction]:
-    defence = subject.axis.defence
-    if defence is None or not defence.prediction:
+    found = prediction_of(subject.comparison, subject.axis.data.axis)
+    if not found:
         raise InputError("loo is unavailable: some order is undetermined without a point")
-    return defence.prediction
+    return found
 
 
 def _by_group(found: dict[int, Prediction]) -> dict[int, float]:

@@ -38,14 +38,15 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
         f"Leave-one-out of {name}: expected log predictive density behind the best order's, "
         "with its paired standard error."
     )
+    drawn = (Figure("loo", comparison, caption, name),) if len(axis) > 1 else ()
     return (
-        Figure("loo", comparison, caption, name),
+        *drawn,
         Tabled(
             f"prediction-{name}",
             f"Leave-one-out of every order of {name}, nat.",
             prediction_table(axis, defence),
             tuple(prediction_lines(axis, defence)),
-            folded=IN_NUMBERS,
+            folded=IN_NUMBERS if drawn else "",
         ),
     )
 

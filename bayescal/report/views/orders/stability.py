@@ -22,7 +22,7 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
     if defence is None:
         return ()
     blocks: list[Block] = []
-    if defence.resampled:
+    if defence.resampled and len(axis) > 1:
         words = f"Share of bootstrap resamples that each order of {name} wins."
         caption = f"Stability of the choice for {name}."
         blocks.append(Figure("bootstrap", comparison, words, name))
@@ -35,7 +35,8 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
 def both_axes(comparison: Comparison) -> Blocks:
     """Show the joint probabilities of both axes, which are independent."""
     axes = tuple(comparison.axes.values())
-    if len(axes) != 2 or any(axis.defence is None for axis in axes):
+    alone = all(len(axis) == 1 for axis in axes)
+    if len(axes) != 2 or alone or any(axis.defence is None for axis in axes):
         return ()
     table = joint_table(*axes)
     if table is None:

@@ -16,15 +16,14 @@ def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
 
 def at_a_glance(comparison: Comparison) -> Blocks:
     """Say what was found in large type and one picture."""
-    return (
-        Answers(tuple(_answer(axis) for axis in comparison.axes.values())),
-        Figure(
-            "verdict",
-            comparison,
-            "Posterior probability of each order. The plausible orders are the fewest that "
-            "together reach 95%.",
-        ),
+    answers = Answers(tuple(_answer(axis) for axis in comparison))
+    if all(len(axis) == 1 for axis in comparison):  # nothing to compare
+        return (answers,)
+    caption = (
+        "Posterior probability of each order. The plausible orders are the fewest that together "
+        "reach 95%."
     )
+    return answers, Figure("verdict", comparison, caption)
 
 
 TOPIC = Topic(
