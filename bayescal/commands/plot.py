@@ -12,6 +12,7 @@ from bayescal.commands.shared.many import many_or_few
 from bayescal.commands.shared.output import DONE, add_progress, check_file, code_of
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import (
+    ALIASES,
     CAMERA,
     FIGURES,
     KINDS,
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 DESCRIPTION = (
     "Draw one figure of a comparison, made now from POINTS or reopened from a RUN that compare "
-    "--out wrote. What the figure needs, such as the defence, is computed. Of a RUN that compare "
+    "--out wrote. What the figure needs is computed. Of a RUN that compare "
     f"--family --out wrote: {', '.join(figure_kinds('families'))}; of one that outliers --out "
     f"wrote: bad-points; of one that calibrate --out wrote: {', '.join(figure_kinds('lenses'))}."
 )
@@ -58,7 +59,7 @@ def _taken(kind: FigureKind) -> str:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
-        "kind", choices=tuple(KINDS), metavar="KIND", help=f"what to draw: {', '.join(KINDS)}"
+        "kind", choices=(*KINDS, *ALIASES), metavar="KIND", help=f"what to draw: {', '.join(KINDS)}"
     )
     parser.add_argument(
         "--list", action=_ListKinds, nargs=0, help="say what each kind shows, and end"
@@ -86,6 +87,7 @@ def run(options: argparse.Namespace) -> int:
     if suffix not in SUFFIXES:
         raise InputError(f"{path}: a figure is written as {', '.join(SUFFIXES)}; name it so")
     check_file(options, path)
+    options.kind = ALIASES.get(options.kind, options.kind)
     kind, result = _held(KINDS[options.kind], options)
     if result is None:
         result = _compared(kind, options)
@@ -122,13 +124,12 @@ def _check(kind: FigureKind, options: argparse.Namespace) -> None:
 def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
     _check(kind, options)
     axes = shared.axes_of(options)
-    models, heavy = len(shared.orders_of(options)) * axes, axes * kind.needs_defence
-    with many_or_few(options) as points, shared.Progress(options, models, heavy=heavy) as progress:
+    models = len(shared.orders_of(options)) * axes
+    with many_or_few(options) as points, shared.Progress(options, models) as progress:
         from bayescal.api.axes import compare
 
         return compare(
             points,
-            defend=kind.needs_defence,
             hint=False,
             progress=progress,
             **shared.settings(options),
@@ -155,5 +156,6 @@ def _reopened(kind: FigureKind, options: argparse.Namespace) -> Any:
     from bayescal.report.runs import kind_named
 
     held = kind_named(kind.of)
-    defend = kind.needs_defence if held.defended else None
+    # What it does not show is not read; what the run does not hold is computed for it alone.
+    defend = False if held.defended and not kind.of_defence else None
     return held.open(Path(options.points), defend=defend)

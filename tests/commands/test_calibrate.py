@@ -29,7 +29,7 @@ def test_table_verdict_and_document(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert document["verdict"]["status"] == "decided"
     text = page.read_text(encoding="utf-8")
     assert "radial 2 is the most probable" in text
-    for figure in ("evidence", "vectors", "uncertainty"):
+    for figure in ("evidence", "vectors", "sd-map"):
         assert f'id="figure-{figure}"' in text
     assert "http" not in text.replace("http://www.w3.org", "")  # nothing from outside
 

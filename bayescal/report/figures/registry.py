@@ -52,8 +52,8 @@ class FigureKind:
         axes, or of the one named.
     one_order : bool
         Whether it is of one order; else it shows every order compared.
-    needs_defence : bool
-        Whether it shows what only a defended comparison holds.
+    of_defence : bool
+        Whether it shows what a defended comparison holds, and else computes that alone.
     of : str
         The kind of result it is drawn of (`bayescal.report.runs`).
     """
@@ -62,7 +62,7 @@ class FigureKind:
     summary: str
     one_axis: bool = False
     one_order: bool = False
-    needs_defence: bool = False
+    of_defence: bool = False
     of: str = "comparison"
 
     def draw(
@@ -124,8 +124,6 @@ class FigureKind:
             return result.axes[axis]
         from bayescal.report.figures.subject import Subject
 
-        if self.needs_defence and any(a.defence is None for a in result.axes.values()):
-            raise InputError(f"{self.name} needs a defended comparison (defend=True, --defend)")
         subject = Subject(result, axis, order)
         if order is not None:
             subject.check_order()
@@ -149,10 +147,8 @@ FIGURES = (
     FigureKind("verdict", "probability of each order, all axes"),
     FigureKind("joint", "probability of each pair of orders"),
     FigureKind("evidence", "log evidence of each order over fixed tau", one_axis=True),
-    FigureKind("loo", "leave-one-out differences, with errors", one_axis=True, needs_defence=True),
-    FigureKind(
-        "bootstrap", "share of resamples each order wins", one_axis=True, needs_defence=True
-    ),
+    FigureKind("loo", "leave-one-out differences, with errors", one_axis=True, of_defence=True),
+    FigureKind("bootstrap", "share of resamples each order wins", one_axis=True, of_defence=True),
     FigureKind("residuals", "residuals over the regressor", one_axis=True, one_order=True),
     FigureKind("other", "residuals over the other axis's regressor", one_axis=True, one_order=True),
     FigureKind("image", "residuals over the image plane, as arrows", one_order=True),
@@ -177,8 +173,6 @@ FIGURES = (
     FigureKind("bad-points", "residual and probability of being bad", one_axis=True, of="outliers"),
     FigureKind("evidence", "log evidence over the order", of="lenses"),
     FigureKind("models", "log evidence of every lens", of="lenses"),
-    FigureKind("difference", "where the two best lenses predict otherwise", of="lenses"),
-    FigureKind("uncertainty", "deviation of the projection over the image", of="lenses"),
     FigureKind("corner", "posterior of the lens", of="lenses"),
     FigureKind("vectors", "residuals of all views over the image", of="lenses"),
     FigureKind("views", "residuals view by view", of="lenses"),
@@ -210,6 +204,8 @@ def drawn_as(result: object) -> str:
     return CAMERA if isinstance(result, CalibratedCamera | ImageMaps) else kind_of(result).name
 
 
+# What figures of lenses were called in version 0.1.0.
+ALIASES = {"uncertainty": "sd-map", "difference": "difference-map"}
 # By their names alone: where several kinds of result have one, that of the first.
 KINDS = {kind.name: next(k for k in FIGURES if k.name == kind.name) for kind in FIGURES}
 
@@ -234,8 +230,7 @@ def plot(
         ``"residuals"``, ``"other"``, ``"image"``, ``"qq"``, ``"curve"``, ``"corner"``,
         ``"trace"``, ``"autocorrelation"``. Of families: ``"models"``, ``"vectors"``,
         ``"position"``, ``"correlation"``. Of bad points: ``"bad-points"``. Of lenses:
-        ``"evidence"``, ``"models"``, ``"difference"``, ``"uncertainty"``, ``"corner"``,
-        ``"vectors"``, ``"views"``, ``"bow"``.
+        ``"evidence"``, ``"models"``, ``"corner"``, ``"vectors"``, ``"views"``, ``"bow"``.
         Of a camera, or of orders, families or lenses: ``"sd-map"``, ``"difference-map"``.
         Of what `changed` gives: ``"change-map"``.
     axis : str, optional
@@ -258,7 +253,7 @@ def plot(
         why.
     """
     of = drawn_as(comparison)
-    known = figure_kinds(of)
+    known, kind = figure_kinds(of), ALIASES.get(kind, kind)
     if kind not in known:
         raise InputError(f"{kind!r} is no kind of figure of {of}; kinds: {', '.join(known)}")
     return known[kind].draw(comparison, axis, order, ax)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from bayescal.comparison.convert import Converts
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.report.blocks import (
     Answer,
@@ -17,6 +20,7 @@ from bayescal.report.blocks import (
     Tabled,
     listed,
 )
+from bayescal.report.views.covariance import covariance_tabled
 from bayescal.report.views.lenses.tables import (
     SHOWN,
     gross_table,
@@ -36,6 +40,7 @@ from bayescal.report.views.lenses.words import (
     sampling_words,
     weak_words,
 )
+from bayescal.report.views.maps import map_section
 from bayescal.report.views.views import Views
 from bayescal.report.views.words import told_below
 from bayescal.rounding import significant
@@ -45,13 +50,9 @@ CAPTIONS = {
     "evidence": "Log evidence over the number of radial coefficients, below the best lens; "
     "dashed: odds of 20 to 1. On the right lenses without an order.",
     "models": "Log evidence of each lens below the best; strong colour: not excluded at 95%.",
-    "difference": "Where the two most probable lenses predict otherwise, at infinity, px, the turn "
-    "of the poses taken out; grey: where points were seen.",
     "vectors": "What is left over of every point in all views, the target's offsets taken out; "
     "lengths magnified.",
     "views": "The same, view by view; one scale for all.",
-    "uncertainty": "Standard deviation of the projection at infinity, px (rms of r and c), the "
-    "turn of the poses taken out; dots: the points.",
     "corner": "Posterior of the lens, its error models averaged: every pair of parameters, and "
     "each alone.",
     "bow": "Where points of the target are off, from its residuals in all views, and its bow.",
@@ -129,21 +130,25 @@ def lenses_section(found: LensComparison) -> Section:
         every = lenses_table(found, len(found.lenses))
         table = Tabled("lenses-all", "Every lens compared.", every)
         blocks.append(Details("Every lens compared", (table,)))
-    if len(found.lenses) > 1:
-        blocks.append(Part("What the choice is worth", (_figure(found, "difference"),)))
     lead = "The same views by each lens, the poses integrated out."
     return Section("lenses", "Lens models", lead, tuple(blocks))
 
 
-def uncertainty_section(found: LensComparison) -> Section:
-    """Show where the camera can be trusted."""
-    blocks = places(found), _figure(found, "uncertainty")
-    return Section("uncertainty", "How sure the lens is", "Where can it be trusted?", blocks)
+def image_section(found: LensComparison) -> Section:
+    """Show where in the image the lens can be trusted, and what another one would move."""
+    section = map_section(found)
+    if section is None:
+        lead = "How sure the projection is."
+        return Section("maps", "Over the image", lead, (places(found),))
+    return replace(section, blocks=(*section.blocks, places(found)))
 
 
 def parameters_section(found: LensComparison) -> Section:
     """Show the posterior."""
-    blocks = (parameters(found), _figure(found, "corner"), *sampling(found))
+    together = [_together(found, found.best.name, "lens")]
+    together += [_together(j, j.name, j.key.file()) for j in found.lenses[1:]]
+    folded = Details("Covariance and correlations of every lens", tuple(together))
+    blocks = (parameters(found), folded, _figure(found, "corner"), *sampling(found))
     return Section("parameters", "Parameters", "What the draws say of the best lens.", blocks)
 
 
@@ -175,7 +180,7 @@ VIEWS = Views(
     {
         "verdict": verdict_section,
         "lenses": lenses_section,
-        "uncertainty": uncertainty_section,
+        "maps": image_section,
         "parameters": parameters_section,
         "residuals": residuals_section,
         "target": target_section,
@@ -195,6 +200,11 @@ def _answers(found: LensComparison) -> tuple[Answer, ...]:
         centre, corner = (significant(v, 2) for v in (known["centre"], max(corners)))
         answers.append(Answer("sd of the projection", f"{centre} px", f"centre; corners {corner}"))
     return tuple(answers)
+
+
+def _together(found: Converts, name: str, id: str) -> Tabled:
+    """Show how the parameters of a lens move together."""
+    return covariance_tabled(f"covariance-{id}", name, *found.named_covariance())
 
 
 def _figure(found: LensComparison, name: str) -> Figure:
