@@ -176,7 +176,7 @@ class Summarised:
         return f"{chains} chains of {draws} draws"
 
     def __repr__(self) -> str:
-        lines = [f"  {p.name} = {p.mean:.6g} +- {p.sd:.2g}" for p in self.parameters]
+        lines = [f"  {p.name} = {p.mean:.6g} ± {p.sd:.2g}" for p in self.parameters]
         return "\n".join([f"<Posterior: {self.title}", *lines]) + ">"
 
     def _repr_html_(self) -> str:

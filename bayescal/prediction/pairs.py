@@ -1,6 +1,6 @@
 """Distances between what two pixels look at, with expanded uncertainty and its budget.
 
-U = k u with k such that the interval d +- U holds 95 % of the Monte Carlo draws (JCGM 100:2008,
+U = k u with k such that the interval d ± U holds 95 % of the Monte Carlo draws (JCGM 100:2008,
 6.2; JCGM 101:2008, 7.7): no number of degrees of freedom is assumed. A draw without a distance
 counts as outside, and where more than 5 % are such there is no U. The errors of the lens and of the
 surface are shared by both ends, and largely cancel.

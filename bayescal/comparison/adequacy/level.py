@@ -48,7 +48,7 @@ def chi_squared(problem: Problem) -> AdequacyTest:
         chi2,
         (dof,),
         p,
-        f"chi2/dof = {chi2 / dof:.3g}, expected 1 +- {math.sqrt(2 / dof):.2g}: {says}.",
+        f"chi2/dof = {chi2 / dof:.3g}, expected 1 ± {math.sqrt(2 / dof):.2g}: {says}.",
     )
 
 

@@ -66,7 +66,7 @@ def neighbours(problem: Problem, place: Array) -> AdequacyTest:
     says = "errors are shared, or the model misses" if p < 0.05 else "as chance would have it"
     meaning = (
         f"Residuals of a point and its nearest {NEAREST} in the image correlate by "
-        f"{scale * value:.2f}, {scale * mean:.2f} +- {scale * sd:.2f} expected: {says}."
+        f"{scale * value:.2f}, {scale * mean:.2f} ± {scale * sd:.2f} expected: {says}."
     )
     return AdequacyTest(NAME, "I", scale * value, None, p, meaning)
 

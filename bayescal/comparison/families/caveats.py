@@ -109,7 +109,7 @@ def _limits(
         ahead, name = max(known, key=lambda pair: pair[0].elpd)
         total, se = paired_difference(ahead, best.loo)
         if total > max(4.0, 2 * se):
-            out.append(f"leave-one-out prefers {name}, by {total:.1f} +- {se:.1f}")
+            out.append(f"leave-one-out prefers {name}, by {total:.1f} ± {se:.1f}")
     return out
 
 

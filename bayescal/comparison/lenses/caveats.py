@@ -150,7 +150,7 @@ def views_disagree(basis: Evidenced) -> Finding | None:
         if total > 4 and total > 2 * se:
             return limits(
                 "leave-one-out",
-                f"leaving views out prefers {judged.name} (by {total:.1f} +- {se:.1f} nat), though "
+                f"leaving views out prefers {judged.name} (by {total:.1f} ± {se:.1f} nat), though "
                 f"{best.name} is more probable",
             )
     return None

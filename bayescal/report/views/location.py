@@ -164,7 +164,7 @@ def _statement(found: Distances) -> list[str]:
         i = int(certain[0])
         expanded, error = float(found.expanded[i]), found.expanded_error[i]
         lines.append(
-            f"For a certificate: {rounded(float(found.values[i]), expanded)} +- "
+            f"For a certificate: {rounded(float(found.values[i]), expanded)} ± "
             f"{significant(expanded)} world units, expanded uncertainty U = k u, k = "
             f"{found.k[i]:.1f}, coverage probability {100 * found.probability:g} %, by Monte "
             "Carlo (JCGM 101:2008) from the calibration's posterior, pixel noise and depth. The "

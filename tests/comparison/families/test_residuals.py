@@ -68,7 +68,7 @@ def test_neighbours_have_the_moments_of_simulated_residuals():
     found = neighbours(problem, place)
     assert found.value == pytest.approx(own)
     mean, sd = simulated.mean(), simulated.std()
-    words = f"{mean:.2f} +- {sd:.2f} expected"
+    words = f"{mean:.2f} ± {sd:.2f} expected"
     assert words in found.meaning
     tail = float(np.mean(simulated >= own))
     assert abs(found.p_value - tail) < 4 * np.sqrt(tail * (1 - tail) / 20000) + 0.003

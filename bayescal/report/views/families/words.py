@@ -77,7 +77,7 @@ def fit_words(model: JointModel) -> str | None:
     assert good.chi2_reduced_sd is not None, "there are degrees of freedom"
     words = (
         f"Chi-squared of {model.key}: {good.chi2:.1f} with {good.dof} dof, reduced "
-        f"{good.chi2_reduced:.2f} (1 +- {good.chi2_reduced_sd:.2f} expected)"
+        f"{good.chi2_reduced:.2f} (1 ± {good.chi2_reduced_sd:.2f} expected)"
     )
     if good.p_value is not None and good.p_value_lower is not None:
         words += f", p {p_words(good.p_value)} (lower tail {p_words(good.p_value_lower)})"

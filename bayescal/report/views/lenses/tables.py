@@ -24,7 +24,7 @@ def lenses_table(found: LensComparison, most: int) -> Table:
         *([Column("chi2", "weighted sum of squares")] if known else []),
         Column("dBIC", "above the smallest"),
         Column("ln Z", "log evidence, error models and poses averaged"),
-        Column("+-", "its Monte Carlo error"),
+        Column("±", "its Monte Carlo error"),
         Column("P", "posterior probability, lenses equal before"),
         Column("elpd", "leave-one-view-out, nat"),
         Column("d elpd", "against the best, with its standard error"),
@@ -101,7 +101,7 @@ def corner_displacements(best: JudgedLens, found: LensComparison) -> dict[str, s
         if j in grouped:
             values = found.draws[:, j]
             sd = float(values.std(ddof=1))
-            out[name] = f"{rounded(float(values.mean()), sd)} +- {significant(sd)}"
+            out[name] = f"{rounded(float(values.mean()), sd)} ± {significant(sd)}"
     return out
 
 

@@ -94,8 +94,8 @@ def bow_words(found: LensComparison) -> str:
         return ""
     x, y = (found.posterior[name] for name in ("bow_x", "bow_y"))
     return (
-        f"of the target along x {rounded(x.mean, x.sd)} +- {significant(x.sd)}, along y "
-        f"{rounded(y.mean, y.sd)} +- {significant(y.sd)} (its unit)"
+        f"of the target along x {rounded(x.mean, x.sd)} ± {significant(x.sd)}, along y "
+        f"{rounded(y.mean, y.sd)} ± {significant(y.sd)} (its unit)"
     )
 
 
@@ -105,7 +105,7 @@ def lens_footnotes(found: LensComparison) -> list[str]:
         "inside, image: largest difference of fitted predictions to the best lens in px, where the "
         "points are and over the whole image, at infinity, after the turn that the poses absorb; "
         "the verdict adds their uncertainty.",
-        "elpd: leave-one-view-out, the pose of the view integrated; d elpd against the best, +- "
+        "elpd: leave-one-view-out, the pose of the view integrated; d elpd against the best, ± "
         "its paired standard error. dBIC counts poses, and takes noise as independent.",
     ]
     if found.impossible:
