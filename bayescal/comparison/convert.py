@@ -1,17 +1,16 @@
-"""Results as other libraries hold them: data frames of pandas, trees of ArviZ."""
+"""A model's posterior as other libraries hold it: data frames of pandas, trees of ArviZ."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.comparison.criteria.information import ACROSS, CRITERIA
 from bayescal.comparison.criteria.pointwise import gaussian_density
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import arviz_object
@@ -28,30 +27,7 @@ OrderResult: TypeAlias = Any
 LARGEST = 50_000_000
 # And that a run keeps of a model: 16 MB.
 LARGEST_KEPT = 2_000_000
-
-
-def orders_frame(orders: Iterable[tuple[str, OrderResult]]) -> pd.DataFrame:
-    """Make a data frame with a row per axis and order; what is unavailable is NaN."""
-    import pandas as pd
-
-    rows = [
-        {
-            "axis": axis,
-            "order": found.order,
-            "p": len(found.fit.coefficients),
-            "rss_px2": found.rss_px2,
-            "sigma_hat": found.fit.sigma_hat,
-            "chi2": found.goodness.chi2,
-            "dof": found.fit.dof,
-            **{c.key: found.criteria.values.get(c.key) for c in CRITERIA},
-            "log_evidence": found.log_evidence,
-            "probability": found.probability,
-            "elpd": None if found.loo is None else found.loo.elpd,
-            "sound": found.sound,
-        }
-        for axis, found in orders
-    ]
-    return pd.DataFrame(rows).set_index(["axis", "order"]).infer_objects()
+NORMAL_95 = 1.959963984540054
 
 
 class Held(NamedTuple):
@@ -85,29 +61,38 @@ class Converts(ABC):
 
     @property
     @abstractmethod
-    def _parameters(self) -> Sequence[Any]:
+    def summaries(self) -> Sequence[Any]:
         """Summaries of the parameters."""
 
     def summary(self) -> pd.DataFrame:
         """Parameters in a data frame: mean, sd, 95 % interval, diagnostics, closed form."""
         import pandas as pd
 
-        rows = [{"parameter": p.name, **_numbers(p)} for p in self._parameters]
+        rows = [{"parameter": p.name, **_numbers(p)} for p in self.summaries]
         return pd.DataFrame(rows).set_index("parameter")
 
+    def named_covariance(self) -> tuple[tuple[str, ...], Array]:
+        """Names of the reported parameters, and their posterior covariance: of the draws."""
+        held = self.held()
+        draws = _drawn(held)
+        with threadpool_limits(1):  # the same on any number of cores
+            found = np.cov(draws.reshape(-1, draws.shape[2]), rowvar=False)
+        return held.names, np.atleast_2d(found)
+
     def covariance(self) -> pd.DataFrame:
-        """Posterior covariance of the reported parameters, of the draws, in a data frame.
+        """Posterior covariance of the reported parameters in a data frame.
+
+        Of the draws, or of the coefficients where a closed form leaves nothing to draw.
 
         Raises
         ------
         InputError
-            Where there are no draws.
+            Where there is neither.
         """
         import pandas as pd
 
-        draws, names = _drawn(self.held()), list(self.held().names)
-        flat = draws.reshape(-1, draws.shape[2])
-        return pd.DataFrame(np.atleast_2d(np.cov(flat.T)), index=names, columns=names)
+        names, matrix = self.named_covariance()
+        return pd.DataFrame(matrix, index=list(names), columns=list(names))
 
     def to_arviz(self) -> Any:
         """Draws, pointwise log likelihood and data for ArviZ: ``az.loo``, ``az.compare``.
@@ -159,7 +144,7 @@ def _points(held: Held) -> int:
 
 def _drawn(held: Held) -> Array:
     if held.draws is None:
-        raise InputError("has a closed form and no draws; compare under a free position or noise")
+        raise InputError("has no draws: it was judged in closed form or by linear algebra")
     return held.draws
 
 
@@ -172,94 +157,19 @@ class Moments(NamedTuple):
     interval: tuple[float, float]
 
 
+def normal_moments(names: Sequence[str], mean: Array, sd: Array) -> list[Moments]:
+    """Summarise normal densities: mean, sd and central 95 % interval."""
+    ends = zip(mean - NORMAL_95 * sd, mean + NORMAL_95 * sd, strict=True)
+    rows = zip(names, mean.tolist(), sd.tolist(), ends, strict=True)
+    return [Moments(n, m, s, (float(low), float(high))) for n, m, s, (low, high) in rows]
+
+
 def moments(names: Sequence[str], draws: Array) -> list[Moments]:
     """Summarise draws ``(n_draws, n_parameters)``: mean, sd and central 95 % interval."""
     lower, upper = np.quantile(draws, [0.025, 0.975], axis=0).tolist()
     means, sds = draws.mean(axis=0).tolist(), draws.std(axis=0, ddof=1).tolist()
     ends = zip(lower, upper, strict=True)
     return [Moments(*row) for row in zip(names, means, sds, ends, strict=True)]
-
-
-def models_frame(models: Iterable[Any]) -> pd.DataFrame:
-    """Make a data frame with a row per joint model; what can't be had is NaN."""
-    import pandas as pd
-
-    rows = [
-        {
-            "model": str(found.key),
-            "family": found.key.family,
-            "order": found.key.order,
-            "position": found.key.position,
-            "p": found.criteria.n_parameters,
-            "chi2": None if found.goodness is None else found.goodness.chi2,
-            **{c.key: found.criteria.values.get(c.key) for c in ACROSS},
-            "log_evidence": found.log_evidence,
-            "log_evidence_error": found.log_evidence_error,
-            "probability": found.probability,
-            "elpd": None if found.loo is None else found.loo.elpd,
-            "sound": found.sound,
-        }
-        for found in models
-    ]
-    return pd.DataFrame(rows).set_index("model").infer_objects()
-
-
-def lenses_frame(lenses: Iterable[Any]) -> pd.DataFrame:
-    """Make a data frame with a row per lens; what can't be had is NaN."""
-    import pandas as pd
-
-    rows = [
-        {
-            "lens": found.name,
-            "rms_px": found.rms,
-            "p": found.n_parameters,
-            "chi2": found.chi2,
-            "aic": found.aic,
-            "bic": found.bic,
-            "log_evidence": found.log_evidence,
-            "log_evidence_error": found.log_evidence_error,
-            "probability": found.probability,
-            "elpd": None if found.loo is None else found.loo.elpd,
-            "difference_px": found.difference,
-            "sound": found.sound,
-        }
-        for found in lenses
-    ]
-    return pd.DataFrame(rows).set_index("lens").infer_objects()
-
-
-def bad_points_frame(axes: Iterable[Any]) -> pd.DataFrame:
-    """Make a data frame with a row per axis and point, the most suspicious first."""
-    import pandas as pd
-
-    rows = [
-        {"axis": axis.data.axis, "point": p.label, **asdict(p)}
-        for axis in axes
-        for p in axis.points
-    ]
-    return pd.DataFrame(rows).drop(columns="label").set_index(["axis", "point"])
-
-
-def treatments_frame(axes: Iterable[Any]) -> pd.DataFrame:
-    """Make a data frame with a row per axis, treatment of bad points, and order."""
-    import pandas as pd
-
-    rows = [
-        {
-            "axis": axis.data.axis,
-            "treatment": treatment.name,
-            "order": judged.key.orders[0],
-            "n": treatment.n_points,
-            "log_evidence": judged.log_evidence,
-            "log_evidence_error": judged.log_evidence_error,
-            "probability": judged.probability,
-            "sound": judged.sound,
-        }
-        for axis in axes
-        for treatment in axis.treatments
-        for judged in treatment.orders
-    ]
-    return pd.DataFrame(rows).set_index(["axis", "treatment", "order"])
 
 
 def _numbers(p: Any) -> dict[str, float]:

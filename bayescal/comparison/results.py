@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison import convert
 from bayescal.comparison.criteria.goodness import ReferenceSigma
+from bayescal.comparison.face import ByAxis, Recommends
 from bayescal.comparison.findings.surroundings import another_model
+from bayescal.comparison.frames import orders_frame
 from bayescal.comparison.orders.averaging import AveragedPrediction
 from bayescal.comparison.orders.result import OrderResult as OrderResult
 from bayescal.comparison.orders.verdict import AxisVerdict
@@ -31,7 +32,7 @@ if TYPE_CHECKING:  # a plain comparison does not pay for the defence
 
 
 @dataclass(frozen=True, eq=False)
-class AxisComparison:
+class AxisComparison(Recommends):
     """The orders of one axis, compared.
 
     Attributes
@@ -83,7 +84,7 @@ class AxisComparison:
 
     def to_dataframe(self) -> pd.DataFrame:
         """Orders in a data frame of pandas, a row each."""
-        return convert.orders_frame((self.data.axis, found) for found in self)
+        return orders_frame((self.data.axis, found) for found in self)
 
     def __getitem__(self, order: int) -> OrderResult:
         for result in self.orders:
@@ -128,7 +129,7 @@ class AxisComparison:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(ByAxis[AxisComparison]):
     """Everything that one analysis found.
 
     Attributes
@@ -170,31 +171,9 @@ class Comparison:
         }
         return replace(self, axes=axes, hint=hint)
 
-    def __iter__(self) -> Iterator[AxisComparison]:
-        return iter(self.axes.values())
-
-    def __len__(self) -> int:
-        return len(self.axes)
-
-    def __contains__(self, axis: object) -> bool:
-        return axis in self.axes
-
-    def __getitem__(self, axis: str) -> AxisComparison:
-        try:
-            return self.axes[axis]
-        except KeyError:
-            names = ", ".join(self.axes)
-            raise KeyError(f"axis {axis!r} was not compared; axes: {names}") from None
-
     def to_dataframe(self) -> pd.DataFrame:
         """Orders of every axis in a data frame of pandas, a row each."""
-        return convert.orders_frame((axis.data.axis, found) for axis in self for found in axis)
-
-    def summary(self) -> pd.DataFrame:
-        """Parameters of each axis's recommended order in a data frame of pandas."""
-        import pandas as pd
-
-        return pd.concat({axis.data.axis: axis.chosen.summary() for axis in self}, names=["axis"])
+        return orders_frame((axis.data.axis, found) for axis in self for found in axis)
 
     @property
     def seed(self) -> int:

@@ -9,12 +9,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.comparison.families.exact_parameters import exact_covariance
 from bayescal.comparison.orders.weak import correlation
 from bayescal.comparison.results import OrderResult
 
 if TYPE_CHECKING:  # Gaussian noise on one axis does not pay for what it does not need
-    from bayescal.comparison.families.result import JointModel
     from bayescal.inference.sampled_posterior import SampledPosterior
 
 
@@ -55,14 +53,9 @@ def correlations(posterior: SampledPosterior) -> Array:
         return correlation(posterior.chain.draws.reshape(-1, len(posterior.names)))
 
 
-def covariance(draws: Array) -> Array:
-    """Covariance matrix of draws ``(n_chains, n_draws, n_parameters)``, as `correlations`."""
-    with threadpool_limits(1):
-        return np.atleast_2d(np.cov(draws.reshape(-1, draws.shape[2]), rowvar=False))
-
-
-def joint_covariance(model: JointModel) -> tuple[tuple[str, ...], Array]:
-    """Names and covariance of a model's parameters; of its coefficients in closed form."""
-    if model.posterior is not None:
-        return model.posterior.names, covariance(model.posterior.chain.draws)
-    return exact_covariance(model.exact)
+def correlation_of(covariance: Array) -> Array:
+    """Correlation matrix; NaN beside a parameter that does not vary."""
+    sd = np.sqrt(covariance.diagonal())
+    scale = np.outer(sd, sd)
+    none = np.full_like(scale, np.nan)
+    return np.asarray(np.divide(covariance, scale, out=none, where=scale > 0))

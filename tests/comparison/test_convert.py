@@ -48,7 +48,7 @@ def test_results_iterate_index_and_have_a_length(result: Comparison) -> None:
     assert "x" not in result
     assert 4 in result["r"]
     assert 6 not in result["r"]
-    with pytest.raises(KeyError, match="axis 'x' was not compared; axes: r, c"):
+    with pytest.raises(KeyError, match="axis 'x' was not looked at; axes: r, c"):
         result["x"]
     with pytest.raises(KeyError, match="order 6 was not compared"):
         result["r"][6]
@@ -87,6 +87,17 @@ def test_covariance_is_that_of_the_closed_form(result: Comparison) -> None:
     assert (np.abs(np.diag(drawn) / sds**2 - 1) < 5 * np.sqrt(2 / ess) * 1.5).all()
     np.testing.assert_allclose(drawn / np.outer(sds, sds), expected / np.outer(sds, sds), atol=0.1)
     np.testing.assert_array_equal(covariance, covariance.T)
+
+
+def test_axes_are_independent(result: Comparison) -> None:
+    """Together they are block by block what each axis says."""
+    together = result.covariance()
+    for axis in result:
+        own = axis.covariance()
+        assert own.equals(axis.chosen.covariance())
+        np.testing.assert_array_equal(together.loc[axis.data.axis, axis.data.axis], own)
+    assert (together.loc["r", "c"] == 0).all(axis=None)
+    assert set(result.to_arviz()) == {"r", "c"}
 
 
 @HEAVY

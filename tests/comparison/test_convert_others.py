@@ -42,6 +42,7 @@ def test_families_iterate_index_and_convert(families):
         assert row.probability == model.probability
         assert row.elpd == model.loo.elpd
     assert families.summary().equals(families.best.summary())
+    assert families.covariance().equals(families.best.covariance())
 
 
 def test_parameters_of_every_way_of_having_them(families):
@@ -65,7 +66,7 @@ def test_parameters_of_every_way_of_having_them(families):
             covariance = model.covariance()
             assert covariance.loc["alpha_0", "alpha_0"] == pytest.approx(sds**2)
             assert covariance.loc["alpha_0", "beta_0"] == 0
-            with pytest.raises(bc.InputError, match="closed form and no draws"):
+            with pytest.raises(bc.InputError, match="has no draws"):
                 model.to_arviz()
     assert ways == {"sampled", "closed form"}
 
@@ -115,3 +116,18 @@ def test_lenses_convert(lens_comparison):
     assert list(lens_comparison.summary().index) == names
     assert lens_comparison.covariance().shape == (len(names), len(names))
     assert set(lens_comparison.to_arviz().posterior.data_vars) == set(names)
+
+
+def test_a_lens_weighed_by_linear_algebra_has_the_covariance_of_its_draws(lens_comparison):
+    """Truth: the draws of the best one, to their error and that of a normal approximation."""
+    best, drawn = lens_comparison.best, lens_comparison.covariance()
+    names = [name for name in best.evidence.problem.model.names if name in drawn.index]
+    own = best.covariance().loc[names, names]
+    sd = np.sqrt(np.diag(drawn.loc[names, names]))
+    np.testing.assert_allclose(np.sqrt(np.diag(own)), sd, rtol=0.2)
+    gap = (own - drawn.loc[names, names]) / np.outer(sd, sd)
+    assert np.abs(gap.to_numpy()).max() < 0.3
+    summary = best.summary()
+    np.testing.assert_allclose(summary.loc[names, "sd"], np.sqrt(np.diag(own)))
+    with pytest.raises(bc.InputError, match="has no draws"):
+        best.to_arviz()

@@ -13,8 +13,6 @@ from bayescal.comparison.convert import Converts, Held, moments
 from bayescal.comparison.judged import Judged
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing
-    import pandas as pd
-
     from bayescal.comparison.criteria.goodness import GoodnessOfFit
     from bayescal.comparison.criteria.information import Criteria
     from bayescal.density.pinholes.pinhole import PinholeModel
@@ -70,7 +68,7 @@ class JointModel(Judged, Converts):
     pixels: Array | None = None
 
     @property
-    def _parameters(self) -> Sequence[Any]:
+    def summaries(self) -> Sequence[Any]:
         """Summaries of the draws, or of the closed forms of r and of c."""
         if self.posterior is not None:
             return self.posterior.parameters
@@ -80,16 +78,13 @@ class JointModel(Judged, Converts):
 
         return exact_parameters(self.exact)
 
-    def covariance(self) -> pd.DataFrame:
-        """Posterior covariance in a data frame: of the draws, or of coefficients in closed form."""
+    def named_covariance(self) -> tuple[tuple[str, ...], Array]:
+        """Of the draws, or of the coefficients in closed form."""
         if not self.exact:
-            return super().covariance()
-        import pandas as pd
-
+            return super().named_covariance()
         from bayescal.comparison.families.exact_parameters import exact_covariance
 
-        names, matrix = exact_covariance(self.exact)
-        return pd.DataFrame(matrix, index=list(names), columns=list(names))
+        return exact_covariance(self.exact)
 
     def held(self) -> Held:
         """Give draws, densities and data."""

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.convert import models_frame
+from bayescal.comparison.face import Recommends
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.verdict import FamilyVerdict
+from bayescal.comparison.frames import models_frame
 from bayescal.markup import bullets
 from bayescal.points.correspondences import Correspondences
 
@@ -61,7 +62,7 @@ class FamilyDefence:
 
 
 @dataclass(frozen=True, eq=False)
-class FamilyComparison:
+class FamilyComparison(Recommends):
     """Families, orders and treatments of the position, compared on the joint data.
 
     Attributes
@@ -130,9 +131,10 @@ class FamilyComparison:
         """Models in a data frame of pandas, a row each, the most probable first."""
         return models_frame(self.models)
 
-    def summary(self) -> pd.DataFrame:
-        """Parameters of the most probable model in a data frame of pandas."""
-        return self.best.summary()
+    @property
+    def chosen(self) -> JointModel:
+        """The most probable model, whose posterior is handed on."""
+        return self.best
 
     def __getitem__(self, name: str) -> JointModel:
         for model in self.models:

@@ -6,6 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from threadpoolctl import threadpool_limits
+
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_model import ErrorModel
@@ -13,6 +16,7 @@ from bayescal.calibration.judge import LensEvidence, Setting
 from bayescal.calibration.least_squares import Fit
 from bayescal.calibration.lens_model import LensModel
 from bayescal.comparison import convert
+from bayescal.comparison.frames import lenses_frame
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.gross_error import GrossError
@@ -31,7 +35,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class JudgedLens(Judged):
+class JudgedLens(Judged, convert.Converts):
     """One lens model beside the others.
 
     Attributes
@@ -85,6 +89,28 @@ class JudgedLens(Judged):
     def name(self) -> str:
         """As tables show it."""
         return self.candidate.name
+
+    def named_covariance(self) -> tuple[tuple[str, ...], Array]:
+        """By linear algebra about its mode, under its most probable error model."""
+        problem = self.evidence.problem
+        model, x, diagonal = problem.model, problem.x, problem.data.diagonal
+        with threadpool_limits(1):  # the same on any number of cores
+            own = problem.laplace.covariance
+            steps = np.diag(np.sqrt(own.diagonal()))
+            moved = model.report(x + steps, diagonal) - model.report(x - steps, diagonal)
+            slopes = (moved / (2 * steps.diagonal()[:, None])).T
+            return model.names, slopes @ own @ slopes.T
+
+    def held(self) -> convert.Held:
+        """Give no draws: only the most probable lens of a comparison has them."""
+        return convert.Held(None, self.evidence.problem.model.names, None, {})
+
+    @property
+    def summaries(self) -> Sequence[Any]:
+        """By linear algebra, as the covariance."""
+        problem, (names, matrix) = self.evidence.problem, self.named_covariance()
+        values = problem.model.report(problem.x, problem.data.diagonal)
+        return convert.normal_moments(names, values, np.sqrt(matrix.diagonal()))
 
     @property
     def view(self) -> View:
@@ -214,10 +240,11 @@ class LensComparison(Evidenced, convert.Converts):
 
     def to_dataframe(self) -> pd.DataFrame:
         """Lenses in a data frame of pandas, a row each, the most probable first."""
-        return convert.lenses_frame(self)
+        return lenses_frame(self)
 
     @property
-    def _parameters(self) -> Sequence[Any]:
+    def summaries(self) -> Sequence[Any]:
+        """Of the draws of the best lens."""
         return self.posterior.parameters
 
     def held(self) -> convert.Held:

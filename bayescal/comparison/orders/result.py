@@ -51,7 +51,8 @@ class OrderResult(Judged, convert.Converts):
         return self.posterior.exact
 
     @property
-    def _parameters(self) -> Sequence[ParameterSummary]:
+    def summaries(self) -> Sequence[ParameterSummary]:
+        """Of the draws."""
         return self.posterior.parameters
 
     def held(self) -> convert.Held:

@@ -6,8 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison import convert
+from bayescal.comparison.face import ByAxis, Recommends
 from bayescal.comparison.findings.finding import Finding
+from bayescal.comparison.frames import bad_points_frame, treatments_frame
+from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.outliers.records import Elimination, PointRecord
 from bayescal.comparison.outliers.shared_errors import SharedError
 from bayescal.comparison.outliers.treatments import Treatment, verdict_words
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class AxisOutliers:
+class AxisOutliers(Recommends):
     """Bad points of one axis, and what they do to the choice of the order.
 
     Attributes
@@ -58,6 +60,34 @@ class AxisOutliers:
     treatments: tuple[Treatment, ...]
     shared: tuple[SharedError, ...]
     findings: tuple[Finding, ...] = ()
+
+    def __iter__(self) -> Iterator[PointRecord]:
+        return iter(self.points)
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def __contains__(self, label: object) -> bool:
+        return any(point.label == label for point in self.points)
+
+    def __getitem__(self, label: str) -> PointRecord:
+        for point in self.points:
+            if point.label == label:
+                return point
+        raise KeyError(f"there is no point {label!r}")
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Points in a data frame of pandas, a row each, the worst first."""
+        return bad_points_frame([self])
+
+    @property
+    def chosen(self) -> OrderResult:
+        """The order shown under the outlier mixture, whose posterior is handed on."""
+        return next(
+            found
+            for found in self.treatments[-1].orders
+            if isinstance(found, OrderResult) and found.order == self.order
+        )
 
     @property
     def bad(self) -> tuple[PointRecord, ...]:
@@ -112,7 +142,7 @@ class AxisOutliers:
 
 
 @dataclass(frozen=True, eq=False)
-class OutlierStudy:
+class OutlierStudy(ByAxis[AxisOutliers]):
     """Bad points of every axis.
 
     Attributes
@@ -142,29 +172,13 @@ class OutlierStudy:
         """Whether every evidence can be trusted."""
         return all(axis.sound for axis in self.axes.values())
 
-    def __iter__(self) -> Iterator[AxisOutliers]:
-        return iter(self.axes.values())
-
-    def __len__(self) -> int:
-        return len(self.axes)
-
-    def __contains__(self, axis: object) -> bool:
-        return axis in self.axes
-
-    def __getitem__(self, axis: str) -> AxisOutliers:
-        try:
-            return self.axes[axis]
-        except KeyError:
-            names = ", ".join(self.axes)
-            raise KeyError(f"axis {axis!r} was not looked at; axes: {names}") from None
-
     def to_dataframe(self) -> pd.DataFrame:
         """Points of every axis in a data frame of pandas, a row each, the worst first."""
-        return convert.bad_points_frame(self)
+        return bad_points_frame(self)
 
-    def summary(self) -> pd.DataFrame:
+    def treatments_dataframe(self) -> pd.DataFrame:
         """Orders under each treatment of bad points in a data frame of pandas."""
-        return convert.treatments_frame(self)
+        return treatments_frame(self)
 
     def __repr__(self) -> str:
         lines = [f"  {name}: {axis.headline}" for name, axis in self.axes.items()]

@@ -16,6 +16,7 @@ from bayescal.comparison.settings import Settings
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.report.document.defence import adequacy_rows, removal_rows
 from bayescal.report.document.shared import (
+    covariance_facts,
     evidence_facts,
     findings_facts,
     finite,
@@ -29,13 +30,17 @@ from bayescal.report.numbers import correlations
 SCHEMA = "bayescal.families/1"
 
 
-def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
+def families_document(
+    found: FamilyComparison, command: str, *, whole: bool = True
+) -> dict[str, Any]:
     """Build the result document: JSON values only, null where there is nothing.
 
     Parameters
     ----------
     command : str
         How it was asked for, for the provenance; of what a run holds, that run's stays.
+    whole : bool, optional
+        With all parameters; without those in closed form it is made in a fraction of the time.
     """
     verdict = found.verdict
     return {
@@ -49,7 +54,7 @@ def families_document(found: FamilyComparison, command: str) -> dict[str, Any]:
             "noise": dict(zip(("r", "c"), found.noise, strict=True)),
             "priors": list(found.priors),
             "models": [
-                _model(m, chance, found.points.labels)
+                _model(m, chance, found.points.labels, whole=whole)
                 for m, chance in zip(found.models, found.probabilities, strict=True)
             ],
         },
@@ -86,7 +91,9 @@ def settings_facts(request: FamilyRequest, settings: Settings) -> dict[str, Any]
     return {**wanted, **asdict(settings)}
 
 
-def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str, Any]:
+def _model(
+    model: JointModel, chance: float, labels: Sequence[str], *, whole: bool
+) -> dict[str, Any]:
     name, loo, goodness = model.key, model.loo, model.goodness
     k = None if loo is None else loo.largest_k
     return {
@@ -112,7 +119,14 @@ def _model(model: JointModel, chance: float, labels: Sequence[str]) -> dict[str,
         "pareto_k_limit": None if loo is None else loo.k_limit,
         "refitted": [] if loo is None else [labels[i] for i in loo.refitted],
         "camera_position_mle": model.position.tolist(),
+        **(_parameters(model) if whole else {}),
         "sampling": None if model.posterior is None else _sampling(model.posterior),
+    }
+
+
+def _parameters(model: JointModel) -> dict[str, Any]:
+    return {
+        "covariance": covariance_facts(model),
         "closed_form": _closed_form(model) if model.exact else None,
     }
 

@@ -10,6 +10,7 @@ from bayescal.comparison.lenses.prediction import PROBABILITY
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.lenses.verdict import TOLERANCE
 from bayescal.report.document.shared import (
+    covariance_facts,
     evidence_facts,
     findings_facts,
     finite,
@@ -20,13 +21,15 @@ from bayescal.report.document.shared import (
 SCHEMA = "bayescal.lenses/1"
 
 
-def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
+def lenses_document(found: LensComparison, command: str, *, whole: bool = True) -> dict[str, Any]:
     """Build the result document: JSON values only, null where there is nothing.
 
     Parameters
     ----------
     command : str
         How it was asked for, for the provenance.
+    whole : bool, optional
+        With covariances, which take a while of many lenses.
     """
     views, verdict, levels = found.views, found.verdict, found.setting.data.levels
     others = plausible_others(found.lenses)
@@ -61,7 +64,7 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
                 for error, w in found.errors
             ],
         },
-        "lenses": [_lens(judged, found) for judged in found.lenses],
+        "lenses": [_lens(judged, found, whole=whole) for judged in found.lenses],
         "impossible": list(found.impossible),
         "posterior": {
             "lens": found.best.name,
@@ -70,6 +73,7 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
             "parameters": [
                 {"name": p.name, **summary_facts(p)} for p in found.posterior.parameters
             ],
+            "covariance": covariance_facts(found),
             "evidence": evidence_facts(found.posterior),
             "log_evidence_laplace": found.problem.laplace.log_evidence,
         },
@@ -106,7 +110,7 @@ def lenses_document(found: LensComparison, command: str) -> dict[str, Any]:
     }
 
 
-def _lens(judged: JudgedLens, found: LensComparison) -> dict[str, Any]:
+def _lens(judged: JudgedLens, found: LensComparison, *, whole: bool) -> dict[str, Any]:
     estimate, lost = judged.evidence.estimate, judged.loo
     values = judged.model.report(judged.fit.x, found.setting.data.diagonal).tolist()
     return {
@@ -126,6 +130,7 @@ def _lens(judged: JudgedLens, found: LensComparison) -> dict[str, Any]:
         "evidence_warnings": list(estimate.warnings),
         "error_models_tried": judged.evidence.errors.tried,
         "probability": judged.probability,
+        **({"covariance": covariance_facts(judged)} if whole else {}),
         "elpd_views": None if lost is None else lost.elpd,
         "elpd_views_se": None if lost is None else lost.se,
         "elpd_of_views": None if lost is None else lost.pointwise.tolist(),

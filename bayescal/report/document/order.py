@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import ParameterSummary
-from bayescal.report.document.shared import evidence_facts, finite, summary_facts
+from bayescal.report.document.shared import covariance_facts, evidence_facts, finite, summary_facts
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
     from bayescal.comparison.defence.results import Prediction
@@ -84,6 +84,7 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         "scale": _summary(by_name["scale"]) if "scale" in by_name else None,
         "tau": _summary(by_name["tau"]) if "tau" in by_name else None,
         "noise_parameters": {n: _summary(by_name[n]) for n in axis.noise_model.parameters},
+        "covariance": covariance_facts(result),
         "sampling": {
             "sampler": "emcee",
             "walkers": chains,

@@ -12,10 +12,12 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from bayescal.comparison.convert import Converts
 from bayescal.comparison.findings.finding import Finding
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.heading import Heading
+from bayescal.report.numbers import correlation_of
 from bayescal.version import __version__
 
 if TYPE_CHECKING:  # Gaussian noise samples nothing of the kind
@@ -78,6 +80,13 @@ def stated_heading(document: Mapping[str, Any]) -> Heading:
     """Give what a document says for the title block."""
     said = document.get("report") or {}
     return Heading(**{name: text for name, text in said.items() if text})
+
+
+def covariance_facts(found: Converts) -> dict[str, Any]:
+    """Give how the parameters of a model move together; null beside one that does not vary."""
+    names, matrix = found.named_covariance()
+    rho = [[finite(value) for value in row] for row in correlation_of(matrix).tolist()]
+    return {"parameters": list(names), "matrix": matrix.tolist(), "correlation": rho}
 
 
 def findings_facts(findings: Iterable[Finding]) -> list[dict[str, str]]:

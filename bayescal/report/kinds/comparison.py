@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from bayescal.comparison.analysis import analyse_points
-from bayescal.comparison.results import Comparison
+from bayescal.comparison.results import Comparison, OrderResult
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import Draws
@@ -22,9 +22,6 @@ from bayescal.report.run.reduction import REDUCTION, reduction_bytes
 from bayescal.report.run.shape import NUMBER, Each, Same
 from bayescal.report.views.comparison import VIEWS
 from bayescal.version import __version__
-
-if TYPE_CHECKING:  # Gaussian noise does not pay for it
-    pass
 
 MEAN = Same("mean", unit="sd", now="from its draws")
 COEFFICIENT = {"name": str, "mean": MEAN, "sd": NUMBER}
@@ -72,14 +69,15 @@ class ComparisonKind(RunKind[Comparison]):
         """Build its document."""
         return comparison_document(result, command)
 
+    def models(self, result: Comparison) -> dict[str, OrderResult]:
+        """Every order of every axis."""
+        noise = result.settings.noise
+        return {found.key.file(noise): found for axis in result for found in axis}
+
     def draws(self, result: Comparison) -> dict[str, Draws]:
         """Draws of every order of every axis."""
-        kept = {}
-        for axis in result.axes.values():
-            for found in axis.orders:
-                draws = axis_draws(found.posterior, axis.data, found.order)
-                kept[found.key.file(result.settings.noise)] = draws
-        return kept
+        found = self.models(result).items()
+        return {name: axis_draws(one.posterior, one.data, one.order) for name, one in found}
 
     def files(self, result: Comparison) -> dict[str, bytes]:
         """Give the reduction of many points too."""

@@ -9,6 +9,7 @@ from typing import Any
 from bayescal.comparison.convert import kept_groups
 from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.request import FamilyRequest
+from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.settings import Settings
 from bayescal.inference.arviz_bridge import Draws
@@ -74,14 +75,22 @@ class FamiliesKind(RunKind[FamilyComparison]):
         """Build its document."""
         return families_document(result, command)
 
+    def checked(self, result: FamilyComparison) -> dict[str, Any]:
+        """Build its document without closed forms' parameters."""
+        return families_document(result, "", whole=False)
+
+    def models(self, result: FamilyComparison) -> dict[str, JointModel]:
+        """Every model compared."""
+        return {model.key.file(result.settings.noise): model for model in result.models}
+
     def draws(self, result: FamilyComparison) -> dict[str, Draws]:
         """Draws of the models that were sampled, weighted ones of those that were weighted."""
         found = {}
-        for model in result.models:
+        for name, model in self.models(result).items():
             kept = model.posterior or model.weighted
             if kept is None:
                 continue
-            found[model.key.file(result.settings.noise)] = described(
+            found[name] = described(
                 packed(kept),
                 kept_groups(model.held()),
                 model=str(model.key),

@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.sampled import SampledLens
+from bayescal.comparison.convert import Converts
 from bayescal.comparison.lenses.analysis import concluded, level_of
 from bayescal.comparison.lenses.gross_errors import gross_errors
 from bayescal.comparison.lenses.request import LensRequest
@@ -83,6 +84,10 @@ class LensesKind(RunKind[LensComparison]):
         """Build its document."""
         return lenses_document(result, command)
 
+    def checked(self, result: LensComparison) -> dict[str, Any]:
+        """Build its document without covariances."""
+        return lenses_document(result, "", whole=False)
+
     def read(self, result: LensComparison) -> Views:
         """Give its views."""
         return result.views
@@ -90,6 +95,11 @@ class LensesKind(RunKind[LensComparison]):
     def files(self, result: LensComparison) -> dict[str, bytes]:
         """Give its views, and what takes long about its lenses."""
         return {VIEWS: views_to_csv(result.views).encode(), LENSES: lenses_bytes(result)}
+
+    def models(self, result: LensComparison) -> dict[str, Converts]:
+        """Every lens compared; the best one's draws."""
+        others: dict[str, Converts] = {judged.key.file(): judged for judged in result.lenses}
+        return {**others, result.best.key.file(): result}
 
     def draws(self, result: LensComparison) -> dict[str, Draws]:
         """Draws of the best lens, under its most probable error model."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.outliers.analysis import find_outliers
 from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import OutlierStudy
@@ -61,15 +62,20 @@ class OutliersKind(RunKind[OutlierStudy]):
         """Build its document."""
         return outliers_document(result, command)
 
-    def draws(self, result: OutlierStudy) -> dict[str, Draws]:
-        """Draws of every order under every noise model that is sampled."""
+    def models(self, result: OutlierStudy) -> dict[str, OrderResult]:
+        """Every order under every noise model that is sampled."""
         return {
-            judged.key.file(): axis_draws(judged.posterior, axis.data, judged.key.orders[0])
+            judged.key.file(): judged
             for axis in result.axes.values()
             for treatment in axis.treatments
             for judged in treatment.orders
-            if judged.posterior is not None
+            if isinstance(judged, OrderResult)
         }
+
+    def draws(self, result: OutlierStudy) -> dict[str, Draws]:
+        """Draws of them."""
+        found = self.models(result).items()
+        return {name: axis_draws(one.posterior, one.data, one.order) for name, one in found}
 
     def reopen(self, run: RunFiles, settings: Settings) -> OutlierStudy:
         """Look again, with the run's draws."""

@@ -10,6 +10,7 @@
 ``camera.npz``        the calibrated camera (bayescal.prediction), where the result is of one
 ``derived.npz``         what else took long (bayescal.encoding), for `open_run` alone
 ``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
+``covariance.csv``      how the parameters of every model move together, for other programs
 ``corner-*.png``      pictures, for people only
 
 Beside it, while it is made, ``RUN.unfinished`` (`bayescal.report.run.unfinished`).
@@ -30,6 +31,7 @@ from bayescal.inference.arviz_bridge import Draws, write_netcdf
 from bayescal.report.run.bounded import bounded
 from bayescal.report.run.camera import CAMERA
 from bayescal.report.run.camera import MANIFEST as MANIFEST
+from bayescal.report.run.covariance import COVARIANCE
 from bayescal.report.run.reduction import REDUCTION
 from bayescal.version import __version__
 
@@ -41,7 +43,19 @@ MADE_OF = "made of"
 RUN = FolderKind(
     "run",
     RESULT,
-    (MANIFEST, POINTS, REDUCTION, SETUP, VIEWS, LENSES, CAMERA, DERIVED, DRAWS, "corner-*.png"),
+    (
+        MANIFEST,
+        POINTS,
+        REDUCTION,
+        SETUP,
+        VIEWS,
+        LENSES,
+        CAMERA,
+        COVARIANCE,
+        DERIVED,
+        DRAWS,
+        "corner-*.png",
+    ),
 )
 
 

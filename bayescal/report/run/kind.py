@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
+from bayescal.comparison.convert import Converts
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.files import FolderKind, check_folder, write_folder
@@ -17,6 +18,7 @@ from bayescal.points.writer import to_csv
 from bayescal.report.blocks import Blocks
 from bayescal.report.document.shared import dumps
 from bayescal.report.run.camera import CAMERA, camera_bytes_of
+from bayescal.report.run.covariance import COVARIANCE, covariance_csv
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import POINTS, RUN, SETUP, fill_run
 from bayescal.report.run.shape import disagreement
@@ -114,6 +116,14 @@ class RunKind(Kind[Result]):
     beside: ClassVar[frozenset[str]] = frozenset()
     defended: ClassVar[bool] = False
 
+    def checked(self, result: Result) -> dict[str, Any]:
+        """Build what of its document a reopened run is checked by: all, unless that takes long."""
+        return self.document(result, "")
+
+    @abstractmethod
+    def models(self, result: Result) -> Mapping[str, Converts]:
+        """Its models whose parameters are known, by their names in a run."""
+
     @abstractmethod
     def draws(self, result: Result) -> Mapping[str, Draws]:
         """Draws to keep, by the model's name."""
@@ -155,6 +165,7 @@ class RunKind(Kind[Result]):
     def fill(self, folder: Path, result: Result) -> None:
         """Write what the result is of, camera, draws and their hashes, and pictures."""
         files, camera = self.files(result), camera_bytes_of(result)
+        files[COVARIANCE] = covariance_csv(self.models(result)).encode()
         if camera is not None:
             files[CAMERA] = camera
         derived = getattr(result, "derived", {})
@@ -183,7 +194,7 @@ class RunKind(Kind[Result]):
             found = self.reopen(run, settings)
         except InputError as error:
             raise error if str(error).startswith(str(folder)) else run.unusable(error) from None
-        wrong = disagreement(run.document, self.document(found, ""), self.shape)
+        wrong = disagreement(run.document, self.checked(found), self.shape)
         if wrong is not None:
             raise InputError(f"{folder}: {wrong}: {run.between()}; {run.again}")
         # With other answers than the run's it is no longer what the run holds.

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isnan
 
 from bayescal.arrays import Array
 from bayescal.report.blocks import Tabled
+from bayescal.report.numbers import correlation_of
 from bayescal.report.table import Cell, Column, Table
 
 CAPTION = "covariance on and above the diagonal, correlations below it"
@@ -26,17 +28,15 @@ def covariance_tabled(id: str, of: str, names: Sequence[str], matrix: Array) -> 
 
 def covariance_table(names: Sequence[str], matrix: Array) -> Table:
     """One row and one column per parameter."""
-    sd = matrix.diagonal() ** 0.5
+    rho = correlation_of(matrix)
     rows = [
-        (
-            Cell(name, i),
-            *(
-                Cell(f"{matrix[i, j]:.3g}", float(matrix[i, j]))
-                if j >= i
-                else Cell(f"{(rho := float(matrix[i, j] / sd[i] / sd[j])):+.3f}", rho)
-                for j in range(len(names))
-            ),
-        )
+        (Cell(name, i), *(_cell(matrix, rho, i, j) for j in range(len(names))))
         for i, name in enumerate(names)
     ]
     return Table((Column("parameter"), *map(Column, names)), tuple(rows))
+
+
+def _cell(matrix: Array, rho: Array, i: int, j: int) -> Cell:
+    if j >= i:
+        return Cell(f"{matrix[i, j]:.3g}", float(matrix[i, j]))
+    return Cell("") if isnan(rho[i, j]) else Cell(f"{rho[i, j]:+.3f}", float(rho[i, j]))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 
+import numpy as np
 import pytest
 
 import bayescal as bc
@@ -136,7 +137,19 @@ def test_it_iterates_indexes_and_converts(run):
     first = study[name].points[0]
     assert frame.loc[(name, first.label), "bad_probability"] == first.bad_probability
     assert len(frame) == sum(len(axis.points) for axis in study)
-    shown = study.summary()
+    shown = study.treatments_dataframe()
     for treatment in study[name].treatments:
         for order, value in treatment.log_evidence.items():
             assert shown.loc[(name, treatment.name, order), "log_evidence"] == value
+    axis = study[name]
+    assert [point.label for point in axis] == list(axis.to_dataframe().loc[name].index)
+    assert axis[first.label] is first
+    assert first.label in axis
+    with pytest.raises(KeyError, match="no point 'none'"):
+        axis["none"]
+    posterior = axis.chosen.posterior
+    assert axis.chosen.key.noise == "outlier-mixture"
+    assert list(study.summary().loc[name].index) == list(posterior.names)
+    sd = [p.sd for p in posterior.parameters]
+    np.testing.assert_allclose(np.sqrt(np.diag(study.covariance())), sd, rtol=1e-9)
+    assert set(study.to_arviz()[name].posterior.data_vars) == set(posterior.names)

@@ -6,7 +6,6 @@ from collections.abc import Iterable
 
 from bayescal.comparison.criteria.information import ACROSS
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut, paired_difference
-from bayescal.comparison.families.exact_parameters import exact_parameters
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.results import FamilyComparison, GroupedErrors
 from bayescal.inference.sampled_posterior import SampledPosterior
@@ -61,9 +60,9 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
         Column("K", "coefficients, inferred sigmas and a free position"),
         *(Column(f"d{c.name}", f"{c.meaning}; less the smallest") for c in ACROSS),
         Column("ln Z", "natural logarithm of the evidence; !: not to be trusted"),
-        Column("+-", "its Monte Carlo error, nat; exact where it has a closed form", "± ln Z"),
+        Column("±", "its Monte Carlo error, nat; exact where it has a closed form", "± ln Z"),
         Column("elpd", "leave-one-out, r and c of a point together; ?: not to be trusted"),
-        Column("+-", "its standard error", "± elpd"),
+        Column("±", "its standard error", "± elpd"),
         Column("d elpd", "less the most probable model's, with the paired error", "Δ elpd"),
         Column("prob.", "posterior probability of the model", "probability"),
     )
@@ -113,15 +112,15 @@ def _difference(model: JointModel, best: JointModel) -> Cell:
 
 
 def parameters_table(model: JointModel, grouped: GroupedErrors | None = None) -> Table:
-    """Parameters of a model that was sampled, or that has a closed form."""
+    """Parameters of a model: of its draws, weighted draws or closed form."""
     heads = [Column("unit"), Column("mean"), Column("sd")]
     if grouped is not None:
         heads.append(Column("sd, groups", f"by the jackknife over {grouped.count} groups"))
     heads.append(Column("95% interval", "central"))
     if model.posterior is None:
-        exact = exact_parameters(model.exact)
-        rows = [_summary_cells(p.name, p.mean, p.sd, p.interval, grouped) for p in exact]
-        return Table((Column(f"{model.key} (exact)", title="parameter"), *heads), tuple(rows))
+        found, how = model.summaries, "exact" if model.exact else "weighted"
+        rows = [_summary_cells(p.name, p.mean, p.sd, p.interval, grouped) for p in found]
+        return Table((Column(f"{model.key} ({how})", title="parameter"), *heads), tuple(rows))
     heads += [
         Column("MCSE", "Monte Carlo standard error of the mean"),
         Column("ESS", "the smaller of bulk and tail effective sample size"),

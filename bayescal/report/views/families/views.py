@@ -21,7 +21,6 @@ from bayescal.report.blocks import (
     Tabled,
     listed,
 )
-from bayescal.report.numbers import joint_covariance
 from bayescal.report.views.covariance import covariance_tabled
 from bayescal.report.views.families.tables import (
     correlation_table,
@@ -109,7 +108,9 @@ def section(found: FamilyComparison) -> Section:
     blocks.append(Part("What is left over, over the image", left))
     shown = _shown(found)
     blocks += [Part(f"Parameters of {m.key}", _parameters(m, found)) for m in shown]
-    rest = (m for m in found.models if m.posterior is not None and m not in shown)
+    plausible = found.verdict.plausible
+    rest = [m for m in found.models if m not in shown]
+    rest = [m for m in rest if m.posterior is not None or m.key in plausible]
     blocks += [Details(f"Parameters of {m.key}", _parameters(m, found, folded=True)) for m in rest]
     figures = _figure(found, "position"), _figure(found, "correlation")
     together = (*figures, *_weak(found), *sampling(found))
@@ -158,7 +159,7 @@ def models(found: FamilyComparison, rest: str) -> Tabled:
         criteria = f"dBIC above {min(known):.2f}, n counts points ({len(found.points)})."
     legend = (
         f"K counts what is inferred but tau; {criteria}",
-        "elpd: leave-one-out, r and c of a point together; +- its standard error; d elpd against "
+        "elpd: leave-one-out, r and c of a point together; ± its standard error; d elpd against "
         "the best, with the paired one.",
     )
     caption = "Joint models of r and c, the most probable first."
@@ -191,7 +192,8 @@ def more_words(found: FamilyComparison) -> Blocks:
 
 def parameters(model: JointModel, found: FamilyComparison) -> Tabled:
     """Show the posterior of a model's parameters, and their spread over groups if it is known."""
-    how = "in closed form" if model.posterior is None else "from draws of emcee"
+    how = "from draws of emcee" if model.posterior is not None else "from weighted draws"
+    how = "in closed form" if model.exact else how
     caption = f"Posterior of the parameters of {model.key}, {how}."
     grouped = found.grouped if model is found.best else None
     notes = (*power_words(model), *grouped_words(grouped), MEANINGS)
@@ -202,7 +204,7 @@ def parameters(model: JointModel, found: FamilyComparison) -> Tabled:
 def _parameters(model: JointModel, found: FamilyComparison, *, folded: bool = False) -> Blocks:
     """Show a model's parameters, and how they move together."""
     id = f"families-covariance-{model.key.file(model.key.noise)}"
-    together = covariance_tabled(id, str(model.key), *joint_covariance(model))
+    together = covariance_tabled(id, str(model.key), *model.named_covariance())
     if not folded:
         return parameters(model, found), Details("Covariance and correlations", (together,))
     return parameters(model, found), together
@@ -218,12 +220,12 @@ def sampling(found: FamilyComparison) -> Blocks:
 def _numbers(model: JointModel, found: FamilyComparison) -> tuple[str, str]:
     """Give what is one number about a model."""
     error = significant(model.log_evidence_error, 1)
-    evidence = f"{model.log_evidence:.3f} " + ("(closed form)" if model.exact else f"+- {error}")
+    evidence = f"{model.log_evidence:.3f} " + ("(closed form)" if model.exact else f"± {error}")
     known, criteria = model.criteria, no_criteria(found)
     if known.log_likelihood is not None:
         values = [f"{c.name} {v:.2f}" for c in ACROSS if (v := known.values.get(c.key)) is not None]
         criteria = ", ".join((f"ln L maximised {known.log_likelihood:.3f}", *values))
-    loo = "" if model.loo is None else f"; elpd {elpd_words(model.loo)} +- {model.loo.se:.1f}"
+    loo = "" if model.loo is None else f"; elpd {elpd_words(model.loo)} ± {model.loo.se:.1f}"
     return f"{model.key}: K = {known.n_parameters}, {criteria}", f"ln evidence {evidence}{loo}"
 
 

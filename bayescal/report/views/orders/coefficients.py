@@ -9,7 +9,6 @@ from bayescal.comparison.criteria.goodness import GoodnessOfFit
 from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 from bayescal.report.blocks import Block, Blocks, Details, Prose, Tabled
-from bayescal.report.numbers import covariance
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.report.views.covariance import covariance_tabled
 from bayescal.report.views.views import Topic
@@ -58,12 +57,11 @@ def _tabled(axis: AxisComparison, result: OrderResult) -> Tabled:
 
 
 def _together(axis: AxisComparison, result: OrderResult) -> Tabled:
-    name, posterior = axis.data.axis, result.posterior
+    name = axis.data.axis
     return covariance_tabled(
         f"covariance-{name}-{result.order}",
         f"{name} at order {result.order}",
-        posterior.names,
-        covariance(posterior.chain.draws),
+        *result.named_covariance(),
     )
 
 
