@@ -127,9 +127,13 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
     models = len(shared.orders_of(options)) * axes
     with many_or_few(options) as points, shared.Progress(options, models) as progress:
         from bayescal.api.axes import compare
+        from bayescal.points.correspondences import Correspondences
 
+        # Of many points a sample is held, which alone can't be left out or resampled.
+        many = not isinstance(points, Correspondences)
         return compare(
             points,
+            defend=kind.of_defence and many,
             hint=False,
             progress=progress,
             **shared.settings(options),

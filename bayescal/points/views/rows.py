@@ -9,8 +9,8 @@ import numpy as np
 
 from bayescal.arrays import Array, IntArray, frozen
 from bayescal.errors import InputError
-from bayescal.points.tables.text import quoted
 from bayescal.points.heading import SILENT, Heading
+from bayescal.points.tables.text import quoted
 
 
 @dataclass(frozen=True, eq=False)

@@ -56,7 +56,10 @@ def draw(subject: Subject) -> Figure:
 def _prediction(subject: Subject) -> dict[int, Prediction]:
     found = prediction_of(subject.comparison, subject.axis.data.axis)
     if not found:
-        raise InputError("loo is unavailable: some order is undetermined without a point")
+        raise InputError(
+            "loo is unavailable: some order is undetermined without a point, or these are a sample "
+            "of many points, which --defend reads again"
+        )
     return found
 
 
