@@ -110,11 +110,11 @@ def posterior(judged: JudgedLens, sweep: Sweep, rng: np.random.Generator) -> Arr
             if node != errors.nodes[0]:
                 problem = settled(sweep.setting.problem(best.model, best.x, best.poses, node))
             _, draws, log_weights = weighed(problem, rng, int(count))
-            sampled = SampledLens(problem)
+            possible, sampled = np.isfinite(log_weights), SampledLens(problem)
+            draws, log_weights = draws[possible], log_weights[possible]
             parts.append(sampled.report(sampled.complete(draws, rng)))
-            logs.append(softmax(log_weights) * count * np.exp(told(problem, draws)))
-    picked = resampled(np.concatenate(logs) / np.concatenate(logs).sum(), DRAWS, rng)
-    return np.concatenate(parts)[picked]
+            logs.append(np.log(count * softmax(log_weights)) + told(problem, draws))
+    return np.concatenate(parts)[resampled(softmax(np.concatenate(logs)), DRAWS, rng)]
 
 
 def told(problem: Problem, draws: Array) -> Array:
@@ -158,7 +158,9 @@ def probabilities(seed: int, number: int) -> list[list[float]]:
     logs = dict.fromkeys(KEYS, -np.inf)
     for judged in judge_all(sweep, Store(), Settings()):
         _, draws, log_weights = weighed(judged.evidence.problem, rng)
-        weights = log_weights + told(judged.evidence.problem, draws)
+        possible = np.isfinite(log_weights)
+        log_weights = log_weights[possible]
+        weights = log_weights + told(judged.evidence.problem, draws[possible])
         logs[judged.name] = judged.log_evidence + logsumexp(weights) - logsumexp(log_weights)
     return [softmax(list(logs.values())).tolist(), [float(key == case.key) for key in KEYS]]
 
