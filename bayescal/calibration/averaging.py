@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
@@ -39,20 +41,23 @@ class ErrorAverage:
         found = self.density(node)
         return found if isinstance(found, Problem) else found.problem
 
-    def draws(self, rng: np.random.Generator, n: int) -> Array:
-        """Draw the lens's coordinates, the error models averaged, ``(about n, dimension)``.
+    def parts(
+        self, rng: np.random.Generator, n: int
+    ) -> Iterator[tuple[Problem | Expansion, Array]]:
+        """Give draws of each error model, as many as its probability is worth (`allotted`).
 
-        From each error model as many as its probability is worth (`allotted`), picked from its
-        importance draws by their weights.
+        They are picked from its importance draws by their weights, ``(count, dimension)``.
         """
         errors = self.evidence.errors
         counts = allotted(np.array(errors.weights), n, rng)
-        parts: list[Array] = []
         for node, count in zip(errors.nodes, counts, strict=True):
-            if not count:
-                continue
-            parts.append(drawn(self.density(node), rng.spawn(1)[0], count))
-        return np.concatenate(parts)
+            if count:
+                density = self.density(node)
+                yield density, drawn(density, rng.spawn(1)[0], count)
+
+    def draws(self, rng: np.random.Generator, n: int) -> Array:
+        """Draw the lens's coordinates, the error models averaged, ``(about n, dimension)``."""
+        return np.concatenate([draws for _, draws in self.parts(rng, n)])
 
     def covariance(self) -> Array:
         """Covariance of the lens's coordinates, the error models averaged, ``(d, d)``."""

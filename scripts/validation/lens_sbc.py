@@ -10,10 +10,8 @@ import numpy as np
 from scipy.special import logsumexp, softmax
 
 from bayescal.arrays import Array
-from bayescal.calibration.averaging import allotted
-from bayescal.calibration.density import Problem
+from bayescal.calibration.averaging import ErrorAverage
 from bayescal.calibration.evidence import DRAWS as IMPORTANCE
-from bayescal.calibration.evidence import settled, weighed
 from bayescal.calibration.laplace import INFERRED
 from bayescal.calibration.least_squares import rms
 from bayescal.calibration.sampled import SampledLens
@@ -88,9 +86,9 @@ def simulated(seed: int, name: str, number: int) -> tuple[dict[str, float], Arra
     case = next(c for c in drawn_cases((key,), rng, exact=exact) if fits(c, key))
     sweep = Sweep(case.views, LensRequest((key,), exact, draws=IMPORTANCE), INFERRED)
     (judged,) = judge_all(sweep, Store(), Settings())
-    columns = SampledLens(judged.evidence.problem).names
-    draws = posterior(judged, sweep, rng)
-    return {n: case.truth[n] for n in columns}, draws
+    names = SampledLens(judged.evidence.problem).names
+    draws, log_weights = told(judged, sweep, rng)
+    return {n: case.truth[n] for n in names}, draws[resampled(softmax(log_weights), DRAWS, rng)]
 
 
 def fits(case: Case, key: str) -> bool:
@@ -99,28 +97,23 @@ def fits(case: Case, key: str) -> bool:
     return any(rms(sweep.data, f.fit.sum_of_squares) < LARGEST_RMS for f in sweep)
 
 
-def posterior(judged: JudgedLens, sweep: Sweep, rng: np.random.Generator) -> Array:
-    """Draw all that is inferred, error models averaged, under the poses' own density."""
-    errors, best = judged.evidence.errors, judged.evidence.problem
+def told(judged: JudgedLens, sweep: Sweep, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Draw all that is inferred, error models averaged; log weights by the poses' density.
+
+    Returns
+    -------
+    draws : Array
+        ``(n_draws, n_names)``.
+    log_weights : Array
+        ``(n_draws,)``.
+    """
     parts, logs = [], []
-    counts = allotted(np.array(errors.weights), IMPORTANCE, rng)
-    for node, count in zip(errors.nodes, counts, strict=True):
-        if count:
-            problem = best
-            if node != errors.nodes[0]:
-                problem = settled(sweep.setting.problem(best.model, best.x, best.poses, node))
-            _, draws, log_weights = weighed(problem, rng, int(count))
-            possible, sampled = np.isfinite(log_weights), SampledLens(problem)
-            draws, log_weights = draws[possible], log_weights[possible]
-            parts.append(sampled.report(sampled.complete(draws, rng)))
-            logs.append(np.log(count * softmax(log_weights)) + told(problem, draws))
-    return np.concatenate(parts)[resampled(softmax(np.concatenate(logs)), DRAWS, rng)]
-
-
-def told(problem: Problem, draws: Array) -> Array:
-    """Log weight of draws by what the analysis is told of the poses, ``(n_draws,)``."""
-    focal = problem.model.physical(draws)[0][:, 0]
-    return log_pose_density(focal, problem.poses_at(draws))
+    for density, draws in ErrorAverage(judged.evidence, sweep.setting).parts(rng, IMPORTANCE):
+        sampled = SampledLens(density)
+        parts.append(sampled.report(sampled.complete(draws, rng)))
+        focal = sampled.problem.model.physical(draws)[0][:, 0]
+        logs.append(log_pose_density(focal, sampled.problem.poses_at(draws)))
+    return np.concatenate(parts), np.concatenate(logs)
 
 
 def orders(options: argparse.Namespace) -> Iterator[str]:
@@ -157,11 +150,9 @@ def probabilities(seed: int, number: int) -> list[list[float]]:
     sweep = Sweep(case.views, LensRequest(KEYS, independent=True, draws=IMPORTANCE), INFERRED)
     logs = dict.fromkeys(KEYS, -np.inf)
     for judged in judge_all(sweep, Store(), Settings()):
-        _, draws, log_weights = weighed(judged.evidence.problem, rng)
-        possible = np.isfinite(log_weights)
-        log_weights = log_weights[possible]
-        weights = log_weights + told(judged.evidence.problem, draws[possible])
-        logs[judged.name] = judged.log_evidence + logsumexp(weights) - logsumexp(log_weights)
+        _, log_weights = told(judged, sweep, rng)
+        mean = logsumexp(log_weights) - np.log(len(log_weights))
+        logs[judged.name] = judged.log_evidence + mean
     return [softmax(list(logs.values())).tolist(), [float(key == case.key) for key in KEYS]]
 
 

@@ -152,6 +152,7 @@ def log_pose_density(focal: Array, poses: Poses) -> Array:
         Of the same leading axes.
     """
     x, y, z = np.moveaxis(poses.translation, -1, 0)
+    front, z = (z > 0).all(axis=-1), np.maximum(z, 1e-9)
     distant = (np.log(z * WIDTH / focal[..., None]) - DISTANCE) / DISTANCE_SD
     scale = focal[..., None] / (WIDTH * z)
     aside = np.stack([x * scale, y * scale], axis=-1) / ASIDE_SD
@@ -160,7 +161,7 @@ def log_pose_density(focal: Array, poses: Poses) -> Array:
     each = -0.5 * (distant**2 + (aside**2).sum(axis=-1) + ((turn / TURN_SD) ** 2).sum(axis=-1))
     # Rotation vectors have the uniform measure (sin(a / 2) / (a / 2))^2 times their own.
     each += 2 * np.log(scale) - np.log(z) - 2 * np.log(np.sin(angle / 2) / (angle / 2))
-    return np.asarray(each.sum(axis=-1))
+    return np.where(front, each.sum(axis=-1), -np.inf)
 
 
 def photographed(pixels: Array) -> Views:
