@@ -33,7 +33,7 @@ def test_the_document_of_a_reopened_run_is_the_run_s_to_the_byte(families_run: P
 def test_saved_again_every_file_is_the_same(families_run: Path, tmp_path: Path) -> None:
     bc.save_run(bc.open_run(families_run), tmp_path / "again")
     files = [p.relative_to(families_run) for p in families_run.rglob("*") if p.is_file()]
-    assert len(files) == 6 + 6  # draws of pinholes, and of pairs at a free position
+    assert len(files) == 7 + 6  # draws of pinholes, and of pairs at a free position
     for name in files:
         assert (tmp_path / "again" / name).read_bytes() == (families_run / name).read_bytes()
 
