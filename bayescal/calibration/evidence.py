@@ -23,6 +23,7 @@ NEAR = 0.01  # posterior deviations: a step this short leaves a reference that i
 COMPONENTS, COVERED = 40, 0.999  # of the mixture; share of the mass they hold
 DRAWS = 2000
 CORRECTED = 100  # draws at which an expansion is corrected
+FAR = 0.5  # share of the evidence: an expansion that lacks more is of no use
 
 
 def settled(problem: Problem) -> Problem:
@@ -69,7 +70,7 @@ def weighed(
     """Evidence by importance sampling, with the draws and the logs of their weights.
 
     An expansion weighs all of the draws; what it lacks is the mean difference from the density
-    itself over the first of them, whose error counts.
+    itself over the first of them, whose error counts; where that is much, the density weighs all.
 
     Parameters
     ----------
@@ -88,7 +89,11 @@ def weighed(
         return found, draws, log_weights
     few = min(n, CORRECTED)
     exact = problem.log_prob(draws[:few]) - log_q[:few]
-    lacking = np.exp(exact - found.log_evidence) - np.exp(log_weights[:few] - found.log_evidence)
+    with np.errstate(over="ignore", invalid="ignore"):
+        shares = np.exp(np.stack([exact, log_weights[:few]]) - found.log_evidence)
+        lacking = shares[0] - shares[1]
+    if not abs(lacking.mean()) < FAR:
+        return weighed(problem, rng, n)
     error = math.hypot(found.error, float(lacking.std(ddof=1)) / math.sqrt(few))
     log_weights[:few] = exact
     log_evidence = found.log_evidence + math.log1p(float(lacking.mean()))

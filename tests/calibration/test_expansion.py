@@ -132,3 +132,16 @@ def test_an_expansion_that_is_not_near_is_not_used() -> None:
     wrong[1] += 0.3 * wrong[2]
     assert Expansion(problem, terms).near
     assert not Expansion(problem, replace(terms, values=wrong)).near
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.1, np.nan])
+def test_an_expansion_far_from_the_density_has_no_say(factor: float) -> None:
+    """Truth: the evidence from draws of the density alone; residuals are off by a tenth."""
+    problem = partial_problem(WHITE)
+    terms = Terms.of(problem)
+    assert terms is not None
+    wrong = Expansion(problem, replace(terms, values=factor * terms.values))
+    found, _, _ = weighed(wrong, np.random.default_rng(2), 500)
+    truth, _, _ = weighed(problem, np.random.default_rng(3), 500)
+    error = np.hypot(found.error, truth.error)
+    assert found.log_evidence == pytest.approx(truth.log_evidence, abs=4 * error)
