@@ -40,6 +40,12 @@ def main() -> None:
         default=list(SIMPLE),
         help=f"compared beside what is recommended ({', '.join(SIMPLE)})",
     )
+    parser.add_argument(
+        "--among",
+        nargs="+",
+        metavar="LENS",
+        help="what is recommended is one of these (by default, of those that calibrate finds)",
+    )
     parser.add_argument("--workers", type=int, default=1, help="processes (1)")
     parser.add_argument("--out", metavar="FILE.md", help="put the section into this file")
     options = parser.parse_args()
@@ -62,21 +68,23 @@ def report(options: argparse.Namespace) -> Iterator[str]:
         "| views | lens | shift, px | largest | sd, px | p |",
         "|" + "---|" * 6,
     )
-    cases = [(file, lens) for file in options.files for lens in (None, *options.lenses)]
+    wanted = (options.among, *([lens] for lens in options.lenses))
+    cases = [(file, lenses) for file in options.files for lenses in wanted]
     for (file, _), cells in zip(cases, of_each(compared, cases, options.workers), strict=True):
         yield f"| {Path(file).stem} | " + " | ".join(cells) + " |"
 
 
-def compared(file: str, lens: str | None) -> list[str]:
+def compared(file: str, lenses: list[str] | None) -> list[str]:
     """Calibrate every second view and the others; the cells of a line."""
     views = bc.load_views(file)
     halves = [views.select(range(first, len(views), 2)) for first in (0, 1)]
-    wanted = None if lens is None else [lens]
-    found = [bc.calibrate(half, lenses=wanted) for half in halves]
+    found = [bc.calibrate(half, lenses=lenses) for half in halves]
     change = bc.changed(*map(bc.camera, found))
     inside = change.places.inside
     shift, sd = rms(change.size[inside]), rms(np.sqrt(2) * change.sd[inside])
-    name = lens or "recommended: " + ", ".join(dict.fromkeys(f.best.name for f in found))
+    name = ", ".join(dict.fromkeys(f.best.name for f in found))
+    if lenses is None or len(lenses) > 1:
+        name = f"recommended: {name}"
     p = "< 0.0001" if change.p_value < 1e-4 else f"{change.p_value:.2g}"
     largest = significant(float(change.size[inside].max()))
     return [name, significant(shift), largest, significant(sd), p]
