@@ -13,7 +13,7 @@ from bayescal.comparison.criteria.leave_one_out import paired_difference
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.findings.bounds import PILE
 from bayescal.comparison.findings.finding import Finding, limits, overturns
-from bayescal.comparison.findings.misfit import GRAVE, concerning
+from bayescal.comparison.findings.misfit import GRAVE, concerning, rejected
 from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.density.pinholes.pinhole import PinholeModel
 from bayescal.noise.level import sigma_bounds
@@ -48,12 +48,7 @@ def _chi_squared(best: JointModel) -> Iterator[Finding]:
     good = best.goodness
     if good is None or good.p_value is None or good.p_value >= GRAVE:
         return
-    yield overturns(
-        "chi-squared",
-        f"chi-squared rejects {best.key} at the known sigma (chi2/dof {good.chi2_reduced:.3g}): "
-        "sigma is stated too small, or the model is not the right one",
-        "it does not describe the points to within the known sigma",
-    )
+    yield rejected(str(best.key), f"{good.chi2_reduced:.3g}")
 
 
 def _limits(

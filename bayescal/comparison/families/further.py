@@ -25,10 +25,9 @@ def beyond_compared(models: Sequence[JointModel], listing: Listing) -> Iterator[
     """Find models with orders above those compared that would win, or can't be excluded.
 
     Looked at are those next to the best of each family and position, where it lies at the edge of
-    its range, by closed forms and Laplace approximations.
+    its range, by closed forms and Laplace approximations. Beside a single model, of which it is not
+    said how sure it is, only one that would win matters.
     """
-    if len(models) < 2:
-        return
     found = {
         one.key: one.approximate
         for family, position, orders in _next(models)
@@ -38,7 +37,7 @@ def beyond_compared(models: Sequence[JointModel], listing: Listing) -> Iterator[
         return
     best = max(found, key=lambda key: found[key])
     gain = found[best] - models[0].log_evidence
-    if gain < -math.log(EXCLUDED):
+    if gain < (0.0 if len(models) == 1 else -math.log(EXCLUDED)):
         return
     factor = f"2 ln B = {2 * gain:.1f} against {models[0].key}"
     says = "would win" if gain > 0 else "can't be excluded"

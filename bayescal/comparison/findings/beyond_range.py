@@ -17,12 +17,14 @@ def beyond_range(found: Beyond, *, at_edge: bool) -> Iterator[Finding]:
     """
     if not found.orders:
         return
+    fitted = [k for k in found.probability if k not in found.orders]
+    where = "beyond the compared range" if len(fitted) > 1 else f"above order {fitted[0]}"
     orders = ", ".join(str(k) for k in found.orders)
     together = sum(found.probability[k] for k in found.orders)
     if found.winner is not None:
         yield overturns(
             "edge",
-            f"order {found.winner}, beyond the compared range, would win "
+            f"order {found.winner}, {where}, would win "
             f"({percent(found.probability[found.winner])} with orders {orders} compared too): "
             "compare more orders",
             f"order {found.winner}, which was not compared, would win",
@@ -30,7 +32,7 @@ def beyond_range(found: Beyond, *, at_edge: bool) -> Iterator[Finding]:
     elif at_edge and together > 1 - PLAUSIBLE:
         yield overturns(
             "edge",
-            f"orders {orders}, beyond the compared range, would have {percent(together)} "
+            f"orders {orders}, {where}, would have {percent(together)} "
             "together: compare more orders",
             "higher orders, which were not compared, can't be excluded",
         )

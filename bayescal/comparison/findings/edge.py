@@ -11,10 +11,14 @@ from bayescal.comparison.findings.finding import Finding
 
 
 def edge(case: Case) -> Iterator[Finding]:
-    """Look beyond the range in closed form."""
+    """Look beyond the range, or above the one order fitted, in closed form.
+
+    Of one order fitted it is not said how sure it is: there only a higher one that wins matters.
+    """
     evidence = {r.order: r.log_evidence for r in case.results if r.log_evidence is not None}
-    if not case.gaussian or len(evidence) < 2:
+    if not case.gaussian or not evidence:
         return
     axis = case.axis
     found = beyond(axis.data, evidence, axis.noise, axis.rule)
-    yield from beyond_range(found, at_edge=case.best.order == case.results[-1].order)
+    at_edge = len(evidence) > 1 and case.best.order == case.results[-1].order
+    yield from beyond_range(found, at_edge=at_edge)

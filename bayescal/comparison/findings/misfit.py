@@ -9,6 +9,7 @@ of one coordinate, and the points contradict that.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from bayescal.comparison.adequacy.outcome import GROUPS, AdequacyTest, concerns
 from bayescal.comparison.findings.case import Case
@@ -20,7 +21,7 @@ GRAVE = 0.01
 FEW = 5
 # In a few words, by the beginning of a test's name.
 BECAUSE = {
-    "chi2": "no order describes the points to within the known sigma",
+    "chi2": "it does not describe the points to within the known sigma",
     "lack of fit": "the order misses more than noise",
     "other coordinate": "residuals depend on the other coordinate",
     "shared errors": "points share errors",
@@ -34,8 +35,12 @@ def misfit(case: Case) -> Iterator[Finding]:
     """Find what the tests of the best order's residuals say, where the noise is Gaussian."""
     if not case.gaussian:
         return
-    yield from _of_all_orders(case)
-    yield from concerning(case.tests)
+    every = next(_of_all_orders(case), None)
+    if every is not None:
+        yield every
+    for found in concerning(case.tests):
+        same = every is not None and found.because == BECAUSE["chi2"]
+        yield replace(found, because=every.because) if same else found
     if case.reference.source == "replicates" and (case.reference.dof or 0) < FEW:
         yield limits(
             "few-replicates",
@@ -57,16 +62,25 @@ def concerning(tests: Sequence[AdequacyTest]) -> Iterator[Finding]:
     yield from (limits(f"misfit: {GROUPS}", line) for line in lines[len(worrying) :])
 
 
+def rejected(models: str, reduced: str, because: str = BECAUSE["chi2"]) -> Finding:
+    """Make the finding that chi-squared rejects models; `reduced` says their chi2/dof."""
+    return overturns(
+        "chi-squared",
+        f"chi-squared rejects {models} at the known sigma (chi2/dof {reduced}): sigma is stated "
+        "too small, or the model is not the right one",
+        because,
+    )
+
+
 def _of_all_orders(case: Case) -> Iterator[Finding]:
     """Say where chi-squared rejects every order at a known sigma."""
     known = [r.goodness for r in case.results if r.goodness.p_value is not None]
     values = [g.p_value for g in known if g.p_value is not None]
-    if len(values) < 2 or max(values) >= GRAVE:
+    if not values or max(values) >= GRAVE:
         return
-    reduced = min(g.chi2_reduced or 0.0 for g in known)
-    yield overturns(
-        "chi-squared",
-        f"chi-squared rejects every order at the known sigma (chi2/dof at least {reduced:.3g}): "
-        "sigma is stated too small, or the model is not the right one",
-        BECAUSE["chi2"],
-    )
+    reduced = f"{min(g.chi2_reduced or 0.0 for g in known):.3g}"
+    if len(case.results) == 1:
+        yield rejected(f"order {case.best.order}", reduced)
+    else:
+        why = "no order describes the points to within the known sigma"
+        yield rejected("every order", f"at least {reduced}", why)
