@@ -11,7 +11,9 @@ from bayescal.errors import InputError
 
 DESCRIPTION = (
     "Compare two calibrations of one camera, such as before and after a knock: how far their "
-    "predictions lie apart over the image, and whether by more than both posteriors allow."
+    "predictions lie apart over the image, and whether by more than both posteriors allow. "
+    "Lenses of many views are compared after the turn of one frame to the other, cameras with a "
+    "place in the world with their place."
 )
 
 

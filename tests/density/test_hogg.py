@@ -32,6 +32,15 @@ def test_the_mixture_flags_points_2_3_and_4_and_finds_that_line_with_all_twenty(
     assert result.sound
 
 
+def test_the_mixtures_order_3_converges():
+    """Which points are bad differs from bend to bend; ln Z is that of three seeds."""
+    x, y, sd = TABLE.T
+    result = bc.fit_polynomial(x, y, 3, sigma=sd, noise="outlier-mixture", ess=1000)
+    assert result.sound
+    assert result.log_evidence == pytest.approx(-120.38, abs=4 * result.log_evidence_error + 0.01)
+    assert result.log_evidence_error < 0.02
+
+
 def test_gaussian_noise_is_led_astray_by_them():
     """Negative control: with all twenty points least squares is 10 standard errors off."""
     x, y, sd = TABLE.T

@@ -35,12 +35,12 @@ def misfit(case: Case) -> Iterator[Finding]:
     """Find what the tests of the best order's residuals say, where the noise is Gaussian."""
     if not case.gaussian:
         return
-    every = next(_of_all_orders(case), None)
-    if every is not None:
-        yield every
+    because = BECAUSE["chi2"]
+    for found in _of_all_orders(case):
+        yield found
+        because = found.because
     for found in concerning(case.tests):
-        same = every is not None and found.because == BECAUSE["chi2"]
-        yield replace(found, because=every.because) if same else found
+        yield replace(found, because=because) if found.because == BECAUSE["chi2"] else found
     if case.reference.source == "replicates" and (case.reference.dof or 0) < FEW:
         yield limits(
             "few-replicates",
