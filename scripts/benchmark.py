@@ -36,6 +36,8 @@ RUNS = {
     "bad points": (["outliers"], ["bad-points", "--axis", "r"]),
 }
 MATPLOTLIB = [PYTHON, "-c", "import matplotlib.figure, matplotlib.backends.backend_svg"]
+STATS = [PYTHON, "-c", "import scipy.stats"]
+PROJECTIONS = 5  # of OpenCV, averaged over
 
 
 def spent(command: list[str]) -> tuple[float, float]:
@@ -65,7 +67,7 @@ def report() -> str:
     )
 
 
-def predictions(points: int = 20_000) -> str:
+def predictions(points: int = 1_000_000) -> str:
     """Time predictions with uncertainty over OpenCV's of the same points, times the draws."""
     import cv2
     import numpy as np
@@ -79,12 +81,12 @@ def predictions(points: int = 20_000) -> str:
     ours = time.process_time() - start
     pose, matrix = np.zeros(3), np.array([[1e3, 0, 960], [0, 1e3, 540], [0, 0, 1.0]])
     start = time.process_time()
-    for _ in range(50):
+    for _ in range(PROJECTIONS):
         cv2.projectPoints(world, pose, pose, matrix, np.array([0.1, 0, 0, 0]))
-    theirs = (time.process_time() - start) / 50
+    theirs = (time.process_time() - start) / PROJECTIONS
     draws = len(camera.chosen.parameters.draws)
     return (
-        f"{points} predictions with uncertainty over cv2.projectPoints times {draws} draws: "
+        f"{points:,} predictions with uncertainty over cv2.projectPoints times {draws} draws: "
         f"{ours / (theirs * draws):.3f} ({ours:.2f} s of processor time, one run; limit 1)"
     )
 
@@ -101,11 +103,22 @@ def reopened(folder: Path) -> Iterator[tuple[str, list[str], list[str], float]]:
         yield f"`plot {figure[0]}` of it over importing matplotlib", plotting, MATPLOTLIB, 8.0
 
 
+def first_answers(folder: Path) -> Iterator[tuple[str, list[str], list[str], float]]:
+    """Make a run; compare `predict` from it, and from its camera, with importing scipy.stats."""
+    command, run, points = [PYTHON, "-m", "bayescal"], folder / "predicted", folder / "points.csv"
+    spent([*command, "compare", "--out", str(run), "--quiet"])
+    points.write_text("x,y,z\n330,56,500\n", encoding="utf-8")
+    for name, source in (("a run", run), ("a saved camera", run / "camera.npz")):
+        ours = [*command, "predict", str(source), str(points)]
+        yield f"first answer of `predict` from {name} over importing scipy.stats", ours, STATS, 1.5
+
+
 def main() -> None:
     """Print a row per comparison."""
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 7
     with TemporaryDirectory() as folder:
         compared(reopened(Path(folder)), runs)
+        compared(first_answers(Path(folder)), runs)
     print(predictions())
     print(report())
     compared(COMPARISONS, runs)
