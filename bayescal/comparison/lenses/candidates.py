@@ -14,7 +14,7 @@ from bayescal.comparison.key import Key
 from bayescal.errors import InputError
 
 LARGEST_RADIAL, LARGEST_FISHEYE = 5, 5
-SURE_RADIAL, SURE_FISHEYE = 2, 1  # orders that are looked at in any case
+SURE_RADIAL, SURE_FISHEYE = 2, 2  # orders that are looked at in any case
 
 
 @dataclass(frozen=True)

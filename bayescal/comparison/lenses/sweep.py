@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property
 
 from bayescal.calibration.error_grid import INDEPENDENT
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level
-from bayescal.calibration.least_squares import Fit, carried, least_squares
+from bayescal.calibration.least_squares import Fit, carried, least_squares, rms
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.start import start_fit
@@ -32,6 +33,7 @@ from bayescal.points.views.views import Views
 
 FLEXIBLE = ("radial 3 + p", "fisheye 3")  # lenses that show how noisy views are
 WORSE = 1e-9  # relative: a nested fit worse than its sub-model's by this is a failure
+FAR = 2.0  # px: a fit that leaves more, root mean square, is begun from nothing too
 
 
 class Sweep:
@@ -119,7 +121,7 @@ class Sweep:
         self._start = tuple(dict.fromkeys((INDEPENDENT, *found.evidence.errors.nodes[:1])))
 
     def _fit(self, candidate: Candidate, model: LensModel) -> Fit:
-        """Least squares from every sub-model's fit, or from nothing where there is none."""
+        """Least squares from every sub-model's fit; from nothing where that leaves much."""
         tried: list[Fit] = []
         below: list[Fit] = []
         for name in candidate.parents:
@@ -128,16 +130,29 @@ class Sweep:
             old, fit = self._fits[name]
             below.append(fit)
             tried.append(least_squares(model, self.data, carried(old, fit.x, model), fit.poses))
-        if not tried or not math.isfinite(min(f.sum_of_squares for f in tried)):
-            tried.append(start_fit(model, self.data))
-        best = min(tried, key=lambda f: f.sum_of_squares)
+        found = min((f.sum_of_squares for f in tried), default=math.inf)
         lowest = min((f.sum_of_squares for f in below), default=math.inf)
+        if found > lowest * (1 + WORSE) or rms(self.data, found) > FAR or not tried:
+            tried.extend(self._anew(model))
+        best = min(tried, key=lambda f: f.sum_of_squares)
         if best.sum_of_squares > lowest * (1 + WORSE):
-            again = start_fit(model, self.data)
-            best = min(best, again, key=lambda f: f.sum_of_squares)
-            if best.sum_of_squares > lowest * (1 + WORSE):
-                self.failures.append(candidate.name)
+            self.failures.append(candidate.name)
         return best
+
+    def _anew(self, model: LensModel) -> Iterator[Fit]:
+        """Fits from nothing: of the lens, and from flexible ones that contain it.
+
+        Where a coefficient may not grow, since the lens would fold, others lead around.
+        """
+        yield start_fit(model, self.data)
+        for larger, fit in self._flexible:
+            if set(model.lens.names) < set(larger.lens.names) and math.isfinite(fit.sum_of_squares):
+                x = carried(larger, fit.x, model)
+                yield least_squares(model, self.data, x, fit.poses)
+
+    @cached_property
+    def _flexible(self) -> list[tuple[LensModel, Fit]]:
+        return [(m, start_fit(m, self.data)) for m in self._models(FLEXIBLE)]
 
 
 def image_size(views: Views) -> tuple[float, float]:
