@@ -84,7 +84,7 @@ class Change:
     def verdict(self) -> str:
         """What is found, in words."""
         chance = "p < 0.0001" if self.p_value < 1e-4 else f"p = {self.p_value:.2g}"
-        most = f"{significant(self.bound)} px where both were calibrated (95 %)"
+        most = f"{significant(self.bound)} px where both were calibrated (95%)"
         if not self.changed:
             return f"No change is seen ({chance}). If there is one, it is at most {most}."
         return (

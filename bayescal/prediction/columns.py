@@ -102,7 +102,7 @@ def pair_remarks(found: Distances) -> list[str]:
 
 def few_words(share: float) -> str:
     """Say how few draws have an answer."""
-    return f"{100 * share:.0f} % of draws answer"
+    return f"{100 * share:.0f}% of draws answer"
 
 
 def target_columns(found: TargetPose) -> dict[str, Any]:

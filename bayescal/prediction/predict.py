@@ -261,7 +261,7 @@ def _checked_by_draws(member: Member, world: Array) -> list[str]:
         return []
     return [
         f"{member.name}: deviations by one-sd steps differ from those by draws by up to "
-        f"{100 * apart:.0f} % (at {CHECKED} of the points): predict fewer points at once for draws"
+        f"{100 * apart:.0f}% (at {CHECKED} of the points): predict fewer points at once for draws"
     ]
 
 

@@ -70,7 +70,7 @@ def whole_pixels(problem: Problem) -> AdequacyTest:
         sigma, whose = problem.sigma_hat, "sigma of the residuals"
     else:
         return untested(name, "readings are whole numbers, but no residual is left to compare")
-    share = f"{100 * (WHOLE_PIXEL / sigma) ** 2:.0f} %" if sigma > WHOLE_PIXEL else "all"
+    share = f"{100 * (WHOLE_PIXEL / sigma) ** 2:.0f}%" if sigma > WHOLE_PIXEL else "all"
     near = sigma < NEAR * WHOLE_PIXEL
     says = (
         f"rounding makes up {share} of the variance, so that errors are neither normal nor "

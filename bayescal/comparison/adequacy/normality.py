@@ -17,7 +17,7 @@ from bayescal.comparison.adequacy.problem import Problem
 
 NAME = "normality"
 SHAPIRO_LIMIT = 5000  # points, above which W's p-value is not known (Royston 1995)
-FEWEST_DOF = 3  # with one, studentised residuals are +-1 whatever the errors
+FEWEST_DOF = 3  # with one, studentised residuals are ±1 whatever the errors
 # Royston's polynomials, lowest powers first. Of n^-1/2: the two outermost weights.
 _OUTERMOST = (0.0, 0.221157, -0.147981, -2.07119, 4.434685, -2.706056)
 _NEXT = (0.0, 0.042981, -0.293762, -1.752461, 5.682633, -3.582633)

@@ -115,7 +115,7 @@ def _at_bounds(model: JointModel, bounds: Mapping[str, tuple[float, float]]) -> 
         whys = "the pixels have hardly any noise", "the model does not fit"
         for bound, mass, why in zip(bounds[name], masses, whys, strict=True):
             if mass > PILE:
-                share = f"{100 * mass:.0f} % of {name}'s posterior"
+                share = f"{100 * mass:.0f}% of {name}'s posterior"
                 out.append(f"{model.key}: {share} lies at its bound, {bound:.4g} px: {why}")
     return out
 

@@ -39,7 +39,7 @@ def beyond_compared(models: Sequence[JointModel], listing: Listing) -> Iterator[
     gain = found[best] - models[0].log_evidence
     if gain < (0.0 if len(models) == 1 else -math.log(EXCLUDED)):
         return
-    factor = f"2 ln B = {2 * gain:.1f} against {models[0].key}"
+    factor = f"2 ln B = {round(2 * gain, 1) + 0.0:.1f} against {models[0].key}"
     says = "would win" if gain > 0 else "can't be excluded"
     yield overturns(
         "edge",

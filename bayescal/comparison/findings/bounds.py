@@ -28,7 +28,7 @@ def at_bounds(case: Case) -> Iterator[Finding]:
         for side, bound, mass in zip(("lower", "upper"), noise.bounds, masses, strict=True):
             if mass > PILE:
                 text = (
-                    f"order {result.order}: {100 * mass:.0f} % of sigma's posterior lies at its "
+                    f"order {result.order}: {100 * mass:.0f}% of sigma's posterior lies at its "
                     f"{side} bound, {bound:.4g}{unit}; the evidence depends on that bound"
                 )
                 if result is best:
@@ -42,7 +42,7 @@ def at_bounds(case: Case) -> Iterator[Finding]:
         if mass > PILE_OF_WIDTH:
             yield limits(
                 "width-bound",
-                f"{100 * mass:.0f} % of the posterior of the bad points' width lies within 10 % of "
+                f"{100 * mass:.0f}% of the posterior of the bad points' width lies within 10 % of "
                 f"its upper bound, {case.shape.width_bounds[1]:.4g}: bad points may be wider, and "
                 "the evidence of this noise is understated",
             )
@@ -68,7 +68,7 @@ def _tau(case: Case) -> Iterator[Finding]:
         if share > PILE:
             yield overturns(
                 "tau-bound",
-                f"order {best.order}: {100 * share:.0f} % of tau's posterior lies at its {side} "
+                f"order {best.order}: {100 * share:.0f}% of tau's posterior lies at its {side} "
                 f"bound, {significant(bound * rule.size)} px; the evidence depends on that bound",
                 "tau lies at a bound of its prior",
             )

@@ -28,7 +28,7 @@ def sigma_bound(basis: Evidenced) -> Finding | None:
         if mass > PILE:
             return overturns(
                 "sigma-bound",
-                f"{basis.best.name}: {100 * mass:.0f} % of sigma's posterior lies at its {side} "
+                f"{basis.best.name}: {100 * mass:.0f}% of sigma's posterior lies at its {side} "
                 f"bound, {bound:g} px; the evidence depends on that bound",
                 "sigma lies at a bound of its prior",
             )
@@ -59,7 +59,7 @@ def _piled(basis: Evidenced, group: Group) -> str:
         if mass > PILE:
             unit = "diagonals" if group.name == "bow" else "px"
             return (
-                f"{100 * mass:.0f} % of the posterior of tau ({group.name}) lies at its {side} "
+                f"{100 * mass:.0f}% of the posterior of tau ({group.name}) lies at its {side} "
                 f"bound, {significant(bound * group.unit)} {unit}: that part is {size} than its "
                 "prior expects"
             )

@@ -77,7 +77,7 @@ def undetermined(basis: Evidenced) -> Finding | None:
     what = f"what the {said[0]} is" if len(said) == 1 else f"{' and '.join(said)} apart"
     return limits(
         "undetermined",
-        f"these views hardly tell {what}: there the posterior is {100 * wide:.0f} % as wide as the "
+        f"these views hardly tell {what}: there the posterior is {100 * wide:.0f}% as wide as the "
         "prior; add views from other sides and distances",
     )
 
@@ -212,7 +212,7 @@ def cover(basis: Evidenced) -> Finding | None:
         return None
     return limits(
         "cover",
-        f"points cover {100 * area:.0f} % of the image and reach {100 * reach:.0f} % of the way to "
+        f"points cover {100 * area:.0f}% of the image and reach {100 * reach:.0f}% of the way to "
         "its corners: what is said of the corners is extrapolated",
     )
 

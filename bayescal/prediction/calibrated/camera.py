@@ -112,7 +112,7 @@ class CalibratedCamera:
 
     def __repr__(self) -> str:
         models = "; ".join(
-            f"{m.name} ({100 * p:.0f} %)"
+            f"{m.name} ({100 * p:.0f}%)"
             for m, p in zip(self.members, self.probabilities, strict=True)
         )
         return f"<CalibratedCamera: {models}; from {self.source}>"

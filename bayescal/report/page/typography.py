@@ -4,15 +4,24 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Callable
 
 # Joiners that scripts need; other invisible characters are named instead of obeyed.
 _KEPT = {"\u200c", "\u200d", "\u00ad"}
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # What the program's own words write in ASCII.
-_SIGNS = (
+_SIGNS: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"(?<![\w.\-])-(?=\.?\d)"), "\N{MINUS SIGN}"),
     (re.compile(r"\bchi2\b"), "\N{GREEK SMALL LETTER CHI}\N{SUPERSCRIPT TWO}"),
     (re.compile(r"\bd(?=(?:AIC|AICc|BIC)\b)"), "\N{GREEK CAPITAL LETTER DELTA}"),
     (re.compile(r"\bR-hat\b"), "R\u0302"),
+    (re.compile(r"(?<=\d) x (?=\d)"), " \N{MULTIPLICATION SIGN} "),
+    (re.compile(r"(?<=\bheight) - (?=row\b)"), " \N{MINUS SIGN} "),
+    (
+        re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e(?:\+|(-))0*(\d+)\b"),
+        "\\1 \N{MULTIPLICATION SIGN} 10^\\2\\3",
+    ),
+    (re.compile(r"\^(-?\d+)"), lambda found: found[1].translate(_SUPERSCRIPTS)),
     (re.compile(r"(?<=\d)%"), "\N{NARROW NO-BREAK SPACE}%"),
     (re.compile(r"(?<=\d) (?=(?:px|nat|%)(?!\w))"), "\N{NO-BREAK SPACE}"),
 )
@@ -41,7 +50,14 @@ def typeset(text: str) -> str:
 
 
 def symbol(name: str) -> str:
-    """Write a parameter such as ``alpha_2`` in Greek with a subscript, where it is one."""
+    """Write a parameter such as ``alpha_2`` in Greek with a subscript, where it is one.
+
+    What it is of may stand before it, and its unit behind it: ``r: alpha_2, px``.
+    """
+    of, colon, bare = name.rpartition(": ")
+    bare, comma, unit = bare.partition(", ")
+    if of or unit:
+        return typeset(of) + colon + symbol(bare) + comma + typeset(unit)
     stem, _, index = name.partition("_")
     letter, space, rest = stem.partition(" ")
     if letter not in _LETTERS:

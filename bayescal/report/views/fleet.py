@@ -14,6 +14,7 @@ from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.rounding import counted, rounded, significant
 
 SHOWN = 20  # cameras of a list in a terminal
+PIXELS = (SIGMA, "alpha", "beta", "fx", "fy", "cx", "cy")  # what is in px
 REASONS = 2  # of each odd camera, the gravest; the table has all
 
 
@@ -60,7 +61,7 @@ def models(fleet: Fleet, of: str) -> Tabled:
         Column("lens" if of == LENS else "order"),
         Column("best", "cameras for which it is recommended"),
         Column("decided", "of them those where nothing else is plausible"),
-        Column("plausible", "cameras that can't exclude it at 95 %"),
+        Column("plausible", "cameras that can't exclude it at 95%"),
     )
     common = known.index(fleet.common[of])
     return Tabled(
@@ -90,7 +91,7 @@ def spread(fleet: Fleet) -> Tabled:
     common = ", ".join(f"{of}: {model}" for of, model in fleet.common.items())
     note = (
         f"Parameters of the model recommended most often ({common}), whatever a camera's own; "
-        "sigma: of the residuals of its own, px."
+        "sigma: of the residuals of its own."
     )
     return Tabled("spread", "Every quantity over the fleet.", Table(columns, rows), (note,))
 
@@ -103,7 +104,7 @@ def _row(s: Spread, limit: float) -> tuple[Cell, ...]:
     median, low, high = (Cell(rounded(v, unit), v) for v in values)
     far = int((np.abs(s.scores) > limit).sum())
     sds = [number_cell(v, lambda x: significant(x)) for v in (s.scale, own)]
-    name = f"{s.of}: {s.name}" + (", px" if s.name == SIGMA else "")
+    name = f"{s.of}: {s.name}" + (", px" if s.name.partition("_")[0] in PIXELS else "")
     return (Cell(name), median, *sds, low, high, _count(far))
 
 

@@ -104,9 +104,9 @@ def _lines(found: Location) -> list[str]:
         lines.append(agreement("Linear propagation (JCGM 100)", apart, "pixel"))
     least = float(found.share[usable].min(initial=1.0))
     if least < 1:
-        few = f"; below {100 * FEW:g} % no interval is told" if least < FEW else ""
+        few = f"; below {100 * FEW:g}% no interval is told" if least < FEW else ""
         lines.append(
-            f"As few as {100 * least:.3g} % of a pixel's draws have a solution: mean and sd are of "
+            f"As few as {100 * least:.3g}% of a pixel's draws have a solution: mean and sd are of "
             f"these{few}."
         )
     return lines
@@ -114,7 +114,7 @@ def _lines(found: Location) -> list[str]:
 
 def agreement(what: str, apart: int, noun: str) -> str:
     """Say whether linear propagation agrees, and within what: no more than the draws can tell."""
-    within = f"{100 * APART:.0f} % of the sd"
+    within = f"{100 * APART:.0f}% of the sd"
     if apart:
         return f"{what} differs by more than {within} for {counted(apart, noun)}."
     return f"{what} agrees within {within}, which {KEPT} draws of each model can tell."
@@ -124,7 +124,7 @@ def _shares(parts: dict[str, Array], usable: BoolArray) -> str:
     """Share of each source in the variance, over all answers."""
     totals = {name: float((parts[name][usable] ** 2).sum()) for name in SOURCES}
     whole = sum(totals.values()) or 1.0
-    return ", ".join(f"{name} {100 * t / whole:.0f} %" for name, t in totals.items() if t)
+    return ", ".join(f"{name} {100 * t / whole:.0f}%" for name, t in totals.items() if t)
 
 
 def pair_view(
@@ -166,14 +166,14 @@ def _statement(found: Distances) -> list[str]:
         lines.append(
             f"For a certificate: {rounded(float(found.values[i]), expanded)} ± "
             f"{significant(expanded)} world units, expanded uncertainty U = k u, k = "
-            f"{found.k[i]:.1f}, coverage probability {100 * found.probability:g} %, by Monte "
+            f"{found.k[i]:.1f}, coverage probability {100 * found.probability:g}%, by Monte "
             "Carlo (JCGM 101:2008) from the calibration's posterior, pixel noise and depth. The "
-            f"number of draws leaves U a standard error of {significant(100 * error / expanded)} %."
+            f"number of draws leaves U a standard error of {significant(100 * error / expanded)}%."
         )
     if good.size > certain.size:
         lines.append(
-            f"% of draws answer: of fewer than {100 * FEW:g} % of the draws no interval can hold "
-            f"{100 * found.probability:g} %: no U. u is of the draws that have a distance."
+            f"% of draws answer: of fewer than {100 * FEW:g}% of the draws no interval can hold "
+            f"{100 * found.probability:g}%: no U. u is of the draws that have a distance."
         )
     if good.size:
         apart = np.abs(found.u - found.linear_u)[good] > APART * found.u[good]

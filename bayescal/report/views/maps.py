@@ -81,7 +81,7 @@ def _lines(maps: ImageMaps) -> list[str]:
         ends = " to ".join(significant(float(v)) for v in (inside.min(), inside.max()))
         share = 100 * float(maps.places.inside.mean())
         lines.append(
-            f"Among the calibration points ({share:.0f} % of the image) sd is {ends} px; elsewhere "
+            f"Among the calibration points ({share:.0f}% of the image) sd is {ends} px; elsewhere "
             "the model is extrapolated."
         )
     lines += maps.sentences[:MOST]

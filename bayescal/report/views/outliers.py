@@ -234,7 +234,7 @@ def footnote(axis: AxisOutliers, significance: float) -> str:
         "leverage and Cook: least squares of all points. Off, P(bad) and the sentences "
         "below: the outlier mixture, whose curve bad points hardly pull; ± of a prediction: of "
         "that curve, without the noise of a reading. Weight t: Student-t noise; rejected: "
-        f"chi-squared test, {100 * significance:g} % for all points together."
+        f"chi-squared test, {100 * significance:g}% for all points together."
         f"{floor_words(axis.data, axis.level)}"
     )
     if not rest:

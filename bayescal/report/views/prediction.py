@@ -17,7 +17,7 @@ SHOWN = 30  # rows on a terminal
 
 def prediction_view(camera: CalibratedCamera, table: PartialTable, found: Prediction) -> Blocks:
     """Show predictions and what they rest on."""
-    percent = f"{100 * found.probability:g} %"
+    percent = f"{100 * found.probability:g}%"
     columns = (
         Column("point"),
         *(Column(f"{a} [px]") for a in "rc"),
@@ -67,11 +67,11 @@ def models_words(camera: CalibratedCamera) -> str:
     """Which models the answers come from."""
     members, weights = camera.used
     if len(members) > 1:
-        shown = [f"{m.name} {100 * w:.0f} %" for m, w in zip(members, weights, strict=True)]
+        shown = [f"{m.name} {100 * w:.0f}%" for m, w in zip(members, weights, strict=True)]
         more = f"; and {len(shown) - 4} more" if len(shown) > 4 else ""
         return (
             f"averaged over {len(members)} plausible models, which have "
-            f"{100 * camera.covered:.0f} % of the probability: {'; '.join(shown[:4])}{more}"
+            f"{100 * camera.covered:.0f}% of the probability: {'; '.join(shown[:4])}{more}"
         )
     rest = len(camera.members) - 1
     others = f" ({counted(rest, 'other model')} can't be excluded: --average)" if rest else ""
@@ -82,10 +82,10 @@ def _lines(camera: CalibratedCamera, found: Prediction) -> list[str]:
     shown = min(len(found), SHOWN)
     lines = []
     if shown < len(found):
-        lines.append(f"and {counted(len(found) - shown, 'more point')} (--out FILE has all)")
+        lines.append(f"And {counted(len(found) - shown, 'more point')} (--out FILE has all)")
     lines.append(
         f"sd: of the mapping ({found.method}); new sd: of a new measurement, with its noise; "
-        f"central {100 * found.probability:g} % interval of a new measurement."
+        f"central {100 * found.probability:g}% interval of a new measurement."
     )
     seen = found.seen
     if len(camera.used[0]) > 1 and seen.any():

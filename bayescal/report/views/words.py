@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from bayescal.comparison.results import AxisComparison
+from bayescal.comparison.verdict import Verdict
 from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.noise.model import NoiseModel
 from bayescal.polynomials.axis_data import AxisData
@@ -70,9 +69,11 @@ def prior_words(rule: PriorRule) -> str:
     )
 
 
-def told_below(caveats: Sequence[str]) -> tuple[str, ...]:
-    """Say, beside an answer in large type, that there are caveats; nothing where there are none."""
-    return (f"{counted(len(caveats), 'caveat')} below",) if caveats else ()
+def doubts(verdict: Verdict) -> tuple[str, ...]:
+    """Say, beside an answer in large type, what could be wrong with it."""
+    rest = sum(not finding.withholds for finding in verdict.findings)
+    more = "more " if verdict.withheld else ""
+    return verdict.withheld + ((f"{counted(rest, f'{more}caveat')} below",) if rest else ())
 
 
 def p_words(value: float) -> str:

@@ -68,4 +68,4 @@ def test_a_strength_at_its_bound_is_said_and_a_strong_one_is_not(
 def test_noise_below_all_that_the_prior_allows_withholds_the_verdict() -> None:
     text, withholds = said(found(-0.28, 0.002, "radial 1", "radial 2"))["sigma-bound"]
     assert withholds
-    assert "100 % of sigma's posterior lies at its lower bound, 0.01 px" in text
+    assert "100% of sigma's posterior lies at its lower bound, 0.01 px" in text

@@ -107,7 +107,10 @@ def test_nothing_invisible_is_obeyed():
 def test_signs():
     assert typeset("-1.5, 3-4, run-2.csv, chi2, dAIC") == "−1.5, 3-4, run-2.csv, χ², ΔAIC"  # noqa: RUF001
     assert symbol("alpha_12") == "α₁₂"
+    assert symbol("r: alpha_1, px") == "r: α₁, px"
     assert symbol("-5") == "−5"  # noqa: RUF001
+    powers = typeset("1920 x 1080, 2e-06, 1.5e+20, 10^8, 3e8")
+    assert powers == "1920 \xd7 1080, 2 \xd7 10⁻⁶, 1.5 \xd7 10²⁰, 10⁸, 3e8"
 
 
 def test_title_block_says_what_it_is_told_as_text():

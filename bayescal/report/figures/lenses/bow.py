@@ -39,7 +39,7 @@ def draw(found: LensComparison) -> Figure:
     panel.invert_yaxis()
     panel.set_aspect("equal", adjustable="datalim")
     panel.set_xlabel("x [target's unit, from its middle]")
-    panel.set_ylabel("y")
+    panel.set_ylabel("y [target's unit]")
     panel.set_title("points off, as arrows" if lengths.any() else "no points off", loc="left")
     settle(figure)
     return figure

@@ -44,7 +44,7 @@ from bayescal.report.views.maps import map_section
 from bayescal.report.views.orders.adequacy import adequacy_blocks
 from bayescal.report.views.remember import remembered
 from bayescal.report.views.views import Views
-from bayescal.report.views.words import told_below
+from bayescal.report.views.words import doubts
 from bayescal.rounding import percent, significant
 
 UNSOUND = "some draws did not converge, or an evidence should not be trusted; see the caveats."
@@ -242,7 +242,7 @@ def _answers(found: FamilyComparison) -> tuple[Answer, Answer]:
             "model of r and c",
             f"{best.family} {order}",
             verdict.standing,
-            verdict.withheld or told_below(verdict.caveats),
+            doubts(verdict),
         ),
         Answer("camera position", best.position, where),
     )

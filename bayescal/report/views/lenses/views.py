@@ -42,7 +42,7 @@ from bayescal.report.views.lenses.words import (
 )
 from bayescal.report.views.maps import map_section
 from bayescal.report.views.views import Views
-from bayescal.report.views.words import told_below
+from bayescal.report.views.words import doubts
 from bayescal.rounding import significant
 
 UNSOUND = "draws did not converge, or an evidence should not be trusted."
@@ -192,13 +192,14 @@ VIEWS = Views(
 def _answers(found: LensComparison) -> tuple[Answer, ...]:
     """Say in large type which lens, and how sure its projection is."""
     verdict = found.verdict
-    doubts = verdict.withheld or told_below(verdict.caveats)
-    answers = [Answer("lens", verdict.recommended, verdict.standing, doubts)]
+    answers = [Answer("lens", verdict.recommended, verdict.standing, doubts(verdict))]
     known = {place.name: place.infinity for place in found.places}
     corners = [v for name, v in known.items() if name.endswith("corner") and v is not None]
     if known["centre"] is not None and corners:
         centre, corner = (significant(v, 2) for v in (known["centre"], max(corners)))
-        answers.append(Answer("sd of the projection", f"{centre} px", f"centre; corners {corner}"))
+        answers.append(
+            Answer("sd of the projection", f"{centre} px", f"centre; corners {corner} px")
+        )
     return tuple(answers)
 
 

@@ -102,17 +102,17 @@ def bow_words(found: LensComparison) -> str:
 def lens_footnotes(found: LensComparison) -> list[str]:
     """Explain the columns."""
     lines = [
-        "inside, image: largest difference of fitted predictions to the best lens in px, where the "
-        "points are and over the whole image, at infinity, after the turn that the poses absorb; "
-        "the verdict adds their uncertainty.",
+        "Columns inside and image: largest difference of fitted predictions to the best lens in "
+        "px, where the points are and over the whole image, at infinity, after the turn that the "
+        "poses absorb; the verdict adds their uncertainty.",
         "elpd: leave-one-view-out, the pose of the view integrated; d elpd against the best, ± "
         "its paired standard error. dBIC counts poses, and takes noise as independent.",
     ]
     if found.impossible:
-        lines.append(f"not possible, some point can't be seen: {', '.join(found.impossible)}.")
+        lines.append(f"Not possible, some point can't be seen: {', '.join(found.impossible)}.")
     if len(found.lenses) > SHOWN:
         rest = ", ".join(j.name for j in found.lenses[SHOWN:])
-        lines.append(f"less probable, not shown: {rest} (--json has them).")
+        lines.append(f"Less probable, not shown: {rest} (--json has them).")
     return lines
 
 
@@ -128,10 +128,10 @@ def parameters_note(found: LensComparison) -> str:
 def places_note(found: LensComparison) -> str:
     """Say what the table of places shows."""
     return (
-        "uncertainty of the projection in px (rms of r and c), the share of the poses taken out, "
+        "Uncertainty of the projection in px (rms of r and c), the share of the poses taken out, "
         f"error models and probable lenses averaged; range {significant(found.range, 3)}, the "
-        "target's distance. jackknife and halves: the same at infinity from the spread over views; "
-        "where that is clearly larger, quote it."
+        "target's distance. Columns jackknife and halves: the same at infinity from the spread "
+        "over views; where that is clearly larger, quote it."
     )
 
 
@@ -148,6 +148,6 @@ def sampling_words(found: LensComparison) -> str:
     n = chain.draws.shape[0] * chain.draws.shape[1]
     return (
         f"{found.best.name}: {n} draws by emcee, acceptance {chain.acceptance:.2f}; evidence from "
-        f"{estimate.draws} importance draws, {100 * estimate.effective_fraction:.0f} % effective; "
+        f"{estimate.draws} importance draws, {100 * estimate.effective_fraction:.0f}% effective; "
         f"seed {found.settings.seed}."
     )

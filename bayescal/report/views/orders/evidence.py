@@ -66,7 +66,7 @@ def tau_table(axis: AxisComparison, found: TauSensitivity) -> Table:
     at = [int(i) for i in np.flatnonzero(np.abs(decades - np.round(decades)) < ON_DECADE)]
     at = at[:: -(-len(at) // MOST_COLUMNS)]
     shown = [significant(100 * float(found.tau[i])) for i in at]
-    columns = [Column(f"{share}%", "", f"{share} %") for share in shown]
+    columns = [Column(f"{share}%") for share in shown]
     rows = [[number_cell(float(row[i]), one_decimal) for i in at] for row in found.log_evidence]
     head = Column(
         "ln Z at fixed tau", "log evidence at these tau, fractions of the image", "order, at tau"

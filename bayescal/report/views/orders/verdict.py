@@ -5,7 +5,7 @@ from __future__ import annotations
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.report.blocks import Answer, Answers, Blocks, Figure, Prose, listed
 from bayescal.report.views.views import Topic
-from bayescal.report.views.words import told_below
+from bayescal.report.views.words import doubts
 
 
 def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
@@ -42,5 +42,4 @@ def caveats(axis: AxisComparison) -> Blocks:
 
 def _answer(axis: AxisComparison) -> Answer:
     verdict, name = axis.verdict, f"{axis.data.axis}, in {axis.data.regressor}"
-    doubts = verdict.withheld or told_below(verdict.caveats)
-    return Answer(name, verdict.recommended, verdict.standing, doubts)
+    return Answer(name, verdict.recommended, verdict.standing, doubts(verdict))
