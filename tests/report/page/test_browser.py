@@ -60,7 +60,7 @@ def test_nothing_overflows(browser: Browser, thesis_page: Path, width: int, scri
 def test_contents_mark_what_is_read(browser: Browser, thesis_page: Path):
     with opened(browser, thesis_page) as page:
         marked = page.locator("nav a[aria-current]")
-        assert marked.all_inner_texts() == ["Verdict"]
+        assert marked.all_inner_texts() == ["1 Verdict"]
         for section in ("adequacy", "provenance"):
             page.evaluate("id => document.getElementById(id).scrollIntoView()", section)
             page.wait_for_function(
