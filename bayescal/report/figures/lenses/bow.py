@@ -40,7 +40,9 @@ def draw(found: LensComparison) -> Figure:
     panel.set_aspect("equal", adjustable="datalim")
     panel.set_xlabel("x [target's unit, from its middle]")
     panel.set_ylabel("y [target's unit]")
-    panel.set_title("points off, as arrows" if lengths.any() else "no points off", loc="left")
+    panel.set_title(
+        "points off, as arrows (target's unit)" if lengths.any() else "no points off", loc="left"
+    )
     settle(figure)
     return figure
 
