@@ -63,9 +63,9 @@ def of_text(path: Path, stated: Mapping[str, str] | None) -> Found | None:
     """Read a table of text chunk by chunk; None where its points are few."""
     with path.open("rb") as stream:
         head = stream.read(HEAD)
-        lines = head.count(b"\n")
-        while lines <= 2 * HELD and (more := stream.read(HEAD)):
-            lines += more.count(b"\n")
+        lines = new = head.count(b"\n")
+        while new and lines <= 2 * HELD:  # no line ends in so much: not a table
+            lines += (new := stream.read(HEAD).count(b"\n"))
         size = stream.seek(0, 2)
     if b"\n" not in head or lines <= HELD:
         return None

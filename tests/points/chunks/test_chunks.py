@@ -255,3 +255,12 @@ def test_items_are_made_when_asked_for() -> None:
     assert numbers[1:3] == ["1", "2"]
     with pytest.raises(IndexError):
         numbers[5]
+
+
+def test_a_terabyte_without_lines_is_not_read_through(tmp_path: Path):
+    path = tmp_path / "sparse.csv"
+    for head in (b"", b"x,y,z,r,c\n1,2,3,4,5\n"):
+        with path.open("wb") as stream:
+            stream.write(head)
+            stream.truncate(2**40)
+        assert text.of_text(path, None) is None
