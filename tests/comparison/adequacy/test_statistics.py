@@ -219,7 +219,7 @@ def test_normality_is_scipys():
     fitted = problem(x, rng.standard_t(3, 30), 2)
     w = stats.shapiro(fitted.studentised)
     found = normality(fitted)
-    np.testing.assert_allclose((found.value, found.p_value), w, rtol=1e-9)
+    np.testing.assert_allclose((found.value, found.p_value), w, rtol=1e-6)
     x = np.linspace(-1, 1, 6000)
     fitted = problem(x, rng.normal(size=6000), 2)
     jb = stats.jarque_bera(fitted.studentised)
@@ -236,7 +236,8 @@ def test_w_is_scipys(n: int) -> None:
         np.arange(n) // 2 * 1.0,
         1e3 + rng.random(n),
     ):
-        np.testing.assert_allclose(shapiro_wilk(z), stats.shapiro(z), rtol=1e-9, atol=1e-11)
+        # Before 1.18 scipy holds its coefficients in single precision.
+        np.testing.assert_allclose(shapiro_wilk(z), stats.shapiro(z), rtol=1e-6, atol=1e-8)
 
 
 def test_studentised_residuals_have_the_textbook_scale():
