@@ -9,7 +9,7 @@ from functools import cached_property
 from bayescal.calibration.error_grid import INDEPENDENT
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level
-from bayescal.calibration.least_squares import Fit, carried, least_squares, rms
+from bayescal.calibration.least_squares import Fit, carried, least_squares
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.start import start_fit
@@ -33,7 +33,7 @@ from bayescal.points.views.views import Views
 
 FLEXIBLE = ("radial 3 + p", "fisheye 3")  # lenses that show how noisy views are
 WORSE = 1e-9  # relative: a nested fit worse than its sub-model's by this is a failure
-FAR = 2.0  # px: a fit that leaves more, root mean square, is begun from nothing too
+FAR = 1.2  # times the residuals of a flexible lens: a fit that leaves more is begun anew
 
 
 class Sweep:
@@ -121,7 +121,7 @@ class Sweep:
         self._start = tuple(dict.fromkeys((INDEPENDENT, *found.evidence.errors.nodes[:1])))
 
     def _fit(self, candidate: Candidate, model: LensModel) -> Fit:
-        """Least squares from every sub-model's fit; from nothing where that leaves much."""
+        """Least squares from every sub-model's fit; begun anew where that leaves much."""
         tried: list[Fit] = []
         below: list[Fit] = []
         for name in candidate.parents:
@@ -132,12 +132,17 @@ class Sweep:
             tried.append(least_squares(model, self.data, carried(old, fit.x, model), fit.poses))
         found = min((f.sum_of_squares for f in tried), default=math.inf)
         lowest = min((f.sum_of_squares for f in below), default=math.inf)
-        if found > lowest * (1 + WORSE) or rms(self.data, found) > FAR or not tried:
+        if not math.isfinite(found) or found > lowest * (1 + WORSE) or self._far(found):
             tried.extend(self._anew(model))
         best = min(tried, key=lambda f: f.sum_of_squares)
         if best.sum_of_squares > lowest * (1 + WORSE):
             self.failures.append(candidate.name)
         return best
+
+    def _far(self, sum_of_squares: float) -> bool:
+        """Whether a fit leaves so much that it may be of a local optimum."""
+        least = min(fit.sum_of_squares for _, fit in self._flexible)
+        return sum_of_squares > FAR**2 * least
 
     def _anew(self, model: LensModel) -> Iterator[Fit]:
         """Fits from nothing: of the lens, and from flexible ones that contain it.
