@@ -18,7 +18,8 @@ from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.proposals.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import resampled
 
-SETTLE_STEPS = 6
+SETTLE_STEPS, HALVINGS = 20, 6
+SLACK = 1.0  # nat: a posterior's mean may lie lower than where a step begins
 NEAR = 0.01  # posterior deviations: a step this short leaves a reference that is settled
 COMPONENTS, COVERED = 40, 0.999  # of the mixture; share of the mass they hold
 DRAWS = 2000
@@ -29,22 +30,40 @@ FAR = 0.5  # share of the evidence: an expansion that lacks more is of no use
 def settled(problem: Problem) -> Problem:
     """Move the reference to the posterior's mean, lens and poses together.
 
+    Steps that lead out of what the lens can see, or downhill, are halved: a lens far from the
+    points would be thrown to and fro.
+
     Returns
     -------
     Problem
-        Where a step leads out of what the lens can see, the problem as it was before it.
+        The problem as it was where even a short step does.
     """
-    prior = strengths(problem.model, COARSE)
+    prior, height = strengths(problem.model, COARSE), _height(problem)
     for _ in range(SETTLE_STEPS):
         found = problem.laplace_over(prior)
         step, sd = found.mean, np.sqrt(np.diag(found.covariance))
-        moved = replace(problem, x=problem.x + step, poses=problem.poses_at(problem.x + step))
-        if not moved.stack.possible:
+        for _ in range(HALVINGS):
+            x = problem.x + step
+            moved = replace(problem, x=x, poses=problem.poses_at(x))
+            new = _height(moved)
+            if new > height - SLACK:
+                break
+            step = step / 2
+        else:
             break
-        problem = moved
+        problem, height = moved, new
         if np.abs(step / sd).max() < NEAR:
             break
     return problem
+
+
+def _height(problem: Problem) -> float:
+    """Log density at the reference; -inf where it can't see a point."""
+    if not problem.stack.possible:
+        return -math.inf
+    x = problem.x[None]
+    likelihood = problem.likelihood_of(problem.squares(x), np.zeros(1))
+    return float((likelihood + problem.log_prior(x))[0])
 
 
 def proposal(problem: Problem) -> tuple[TMixture, tuple[Mode, ...]]:
