@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from types import SimpleNamespace
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -16,57 +13,14 @@ from bayescal.comparison.analysis import analyse_points
 from bayescal.comparison.families.hint import family_hint
 from bayescal.comparison.results import AxisComparison
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.store import Store
-from bayescal.linear.closed_form import ExactPosterior, exact_posterior
+from bayescal.fleets.closed_forms import ClosedForms
 from bayescal.linear.least_squares import factorise
-from bayescal.linear.model import LinearModel
 from bayescal.polynomials.basis import legendre_design
 from scripts.validation.sections import of_each, options_of, publish
 from scripts.validation.voice_cameras import KINDS, Camera
 
 HEADING = "## The verdict"
 ORDERS = (1, 2, 3, 4, 5)
-
-
-@dataclass(frozen=True, eq=False)
-class Unsampled:
-    """A posterior in closed form alone: what a verdict asks of one, without draws."""
-
-    exact: ExactPosterior
-    converged: bool = True
-    agrees_with_exact: bool = True
-    warnings: tuple[str, ...] = ()
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        return self.exact.model.names
-
-    @property
-    def log_evidence(self) -> float | None:
-        """Natural log of the evidence."""
-        return self.exact.log_evidence
-
-    @property
-    def log_evidence_error(self) -> float | None:
-        """The quadrature's error, nat."""
-        return self.exact.log_evidence_error
-
-    def __getitem__(self, name: str) -> SimpleNamespace:
-        return SimpleNamespace(mean=float(self.exact.summary[0][self.names.index(name)]))
-
-    def at_bounds(self, name: str, bounds: tuple[float, float]) -> tuple[float, float]:  # noqa: ARG002
-        """Probability that sigma lies near its bounds."""
-        return self.exact.sigma_at_bounds()
-
-
-class ClosedForms(Store):
-    """Posteriors in closed form in place of draws: the verdict uses nothing else of them."""
-
-    def posterior(self, key: Any, model: Any, compute: Callable[[], Any], **_: Any) -> Any:  # noqa: ARG002
-        """Give the closed form of a linear model."""
-        assert isinstance(model, LinearModel)
-        return Unsampled(exact_posterior(model))
 
 
 def main() -> int:
