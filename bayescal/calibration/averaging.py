@@ -27,10 +27,8 @@ class ErrorAverage:
     def density(self, node: Node) -> Problem | Expansion:
         """Put the lens under an error model."""
         if node not in self._made:
-            best, base = self.evidence.problem, self.evidence.density
-            problem = self.setting.problem(best.model, best.x, best.poses, node)
+            base, problem = self.evidence.density, self.setting.under(self.evidence.problem, node)
             if isinstance(base, Expansion):
-                problem.__dict__["stack"] = best.stack  # it knows no error model
                 self._made[node] = Expansion(problem, base.terms)
             else:
                 self._made[node] = settled(problem)

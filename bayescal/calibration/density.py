@@ -58,6 +58,12 @@ class Problem:
         """Residuals and derivatives at the reference."""
         return stacked(self.model, self.data, self.x, self.poses)
 
+    def under(self, shared: Shared, root: Array | None) -> Problem:
+        """Give the same lens and poses under another error model."""
+        found = replace(self, shared=shared, root=root)
+        found.__dict__["stack"] = self.stack  # residuals and derivatives know no error model
+        return found
+
     @cached_property
     def views(self) -> Views:
         """Normal equations, poses eliminated."""

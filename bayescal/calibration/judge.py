@@ -59,9 +59,15 @@ class Setting:
 
     def problem(self, model: LensModel, x: Array, poses: Poses, node: Node) -> Problem:
         """Put a lens and poses under an error model."""
+        return Problem(model, self.data, x, poses, *self._errors(node), self.level)
+
+    def under(self, problem: Problem, node: Node) -> Problem:
+        """Put a problem under another error model, linearised as it is."""
+        return problem.under(*self._errors(node))
+
+    def _errors(self, node: Node) -> tuple[Shared, Array | None]:
         error = self.grid.error(node)
-        shared, root = self.geometry.shared(error), self.geometry.offset_root(error, self.unit)
-        return Problem(model, self.data, x, poses, shared, root, self.level)
+        return self.geometry.shared(error), self.geometry.offset_root(error, self.unit)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +91,10 @@ class LensEvidence:
 
     @cached_property
     def density(self) -> Problem | Expansion:
-        """What draws are made of: the problem's expansion where it is near."""
+        """What draws are made of: the problem's expansion where it is near.
+
+        Found anew for the lens that is drawn: its terms are too large to be kept of all lenses.
+        """
         return expanded(self.problem)
 
 
@@ -117,11 +126,11 @@ def lens_evidence(
         if best == node:
             break
         # Once more from where that error model has its mode: residuals were linear elsewhere.
-        node, reference = best, settled(comparer.problem(best))
+        node, reference = best, settled(setting.under(reference, best))
     errors = follow(setting.grid, comparer, (*start, node))
     if errors.nodes[0] != node:
         node = errors.nodes[0]
-        reference = settled(comparer.problem(node))
+        reference = settled(setting.under(reference, node))
     estimate, _, _ = weighed(expanded(reference), rng, draws)
     linear = comparer(node)
     if not math.isfinite(estimate.log_evidence):  # no draw was possible; its warning says so
@@ -160,10 +169,3 @@ class _Comparer:
             # Those left out would add nearly the same share to every error model.
             self.prior = self.prior.only(found.likely)
         return found.log_evidence
-
-    def problem(self, node: Node) -> Problem:
-        """Put the lens under an error model."""
-        error = self.setting.grid.error(node)
-        geometry = self.setting.geometry
-        root = geometry.offset_root(error, self.setting.unit)
-        return replace(self.reference, shared=geometry.shared(error), root=root)
