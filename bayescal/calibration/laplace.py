@@ -63,11 +63,16 @@ class Seen(Protocol):
     """What of observations an evidence needs beside their normal equations."""
 
     @property
-    def n_points(self) -> int: ...  # noqa: D102
+    def n_points(self) -> int:
+        """Points in all views."""
+
     @property
-    def n_views(self) -> int: ...  # noqa: D102
+    def n_views(self) -> int:
+        """Views."""
+
     @property
-    def log_weight(self) -> float: ...  # noqa: D102
+    def log_weight(self) -> float:
+        """Sum of the logs of the weights."""
 
 
 def degrees(data: Seen) -> int:

@@ -8,6 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+import bayescal as bc
+
 
 def edit(path: Path, *changes: tuple[str, Any]) -> None:
     """Change entries, given by dotted keys, of a JSON file."""
@@ -42,3 +46,11 @@ def forged(name: str, change: Callable[[Path], None]) -> Callable[[Path], None]:
 
 def result(*changes: tuple[str, Any]) -> Callable[[Path], None]:
     return forged("result.json", lambda path: edit(path, *changes))
+
+
+def refused_in_a_line(folder: Path, complaint: str) -> None:
+    """Check that a run is refused in one line, which names it."""
+    with pytest.raises(bc.InputError, match=complaint) as caught:
+        bc.open_run(folder)
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith(str(folder))
