@@ -11,6 +11,7 @@ from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
+from bayescal.points.views.notes import alike
 from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
 
@@ -75,6 +76,11 @@ def calibrate(
     if len(views) < 2:
         raise InputError(
             f"{views.source}: one view can't tell lens from pose; take at least two, better ten"
+        )
+    if alike(views):
+        raise InputError(
+            f"{views.source}: all views are alike, which tell no more of a lens than one does; add "
+            "views from other sides and distances"
         )
     names = None if lenses is None else tuple(lenses)
     request = LensRequest(names, independent, square, centred, per_view=sigma == PER_VIEW)

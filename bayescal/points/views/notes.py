@@ -12,6 +12,7 @@ from bayescal.rounding import counted
 # A smooth map misses the pixels of a properly named board by a few hundredths of its span.
 SCRAMBLED = 0.1
 MANY = 1000
+ALIKE = 0.01  # of what all points span: views whose points move by less are of one pose
 
 
 def view_notes(views: Views) -> list[str]:
@@ -31,6 +32,19 @@ def view_notes(views: Views) -> list[str]:
     if len(views) > MANY:
         found.append(f"{len(views)} views: a hundred that differ say nearly as much, sooner")
     return found + _repeated(views) + _order(views)
+
+
+def alike(views: Views) -> bool:
+    """Whether all views are of one pose: the target's points hardly move from one to another."""
+    n = len(views.target)
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
+    np.minimum.at(low, views.corner, views.pixels)
+    np.maximum.at(high, views.corner, views.pixels)
+    often = np.bincount(views.corner, minlength=n) > 1
+    if not often.any():
+        return False
+    size = float(np.hypot(*np.ptp(views.pixels, axis=0)))
+    return float(np.median(np.hypot(*(high - low)[often].T))) < ALIKE * size
 
 
 def _off(views: Views, width: int, height: int) -> list[str]:

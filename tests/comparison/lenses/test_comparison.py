@@ -121,11 +121,12 @@ def test_unknown_names_are_refused_in_a_line(name: str) -> None:
     assert "\n" not in str(error.value)
 
 
-def test_one_view_taken_three_times_is_refused() -> None:
-    """The noise differs, the pose does not: focal length and distance can't be told apart."""
+@pytest.mark.parametrize("noise", [0.1, 1.0])
+def test_one_view_taken_three_times_is_refused(noise: float) -> None:
+    """The noise differs, the pose does not: they tell no more than one."""
     world, pixels = boards.pictures(np.random.default_rng(1), 1)
     rng = np.random.default_rng(2)
-    again = [pixels[0] + rng.normal(0, 0.1, pixels[0].shape) for _ in range(3)]
+    again = [pixels[0] + rng.normal(0, noise, pixels[0].shape) for _ in range(3)]
     width, height = boards.SIZE
     views = Views.from_arrays([world] * 3, again, width=width, height=height)
     with pytest.raises(InputError, match="alike"):
