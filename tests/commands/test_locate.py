@@ -70,7 +70,7 @@ def test_pairs_end_in_a_statement(run, tmp_path):
     done = here("locate", run, tmp_path / "pairs.csv", "--pairs", "--depth", "300")
     assert done.code == 0
     assert "For a certificate:" in done.out
-    assert "coverage probability 95 %" in " ".join(done.out.split())
+    assert "coverage probability 95%" in " ".join(done.out.split())
     assert "an end has no solution" in done.out
     assert not_a_number(done.out) == []
     assert max(map(len, done.out.splitlines())) <= 100

@@ -12,7 +12,7 @@ from bayescal.rounding import counted
 # A smooth map misses the pixels of a properly named board by a few hundredths of its span.
 SCRAMBLED = 0.1
 MANY = 1000
-ALIKE = 0.01  # of what all points span: views whose points move by less are of one pose
+ALIKE = 0.02  # of what all points span: views whose points move by less are of one pose
 
 
 def view_notes(views: Views) -> list[str]:
