@@ -33,14 +33,12 @@ def argue(
     """
     if verdict.order is None:
         return verdict
-    text = [
-        _worth(defence),
-        _tau(verdict.order, defence, size),
-        _resampled(defence, verdict.order),
-    ]
-    removed = defence.points_that_matter, defence.groups_that_matter
-    grouped, further = defence.group_source is not None, defence.further_points
-    text.append(removal_words(*removed, grouped=grouped, further=further))
+    text = [_worth(defence)]
+    if len(criteria) > 1:  # else there is nothing to win against
+        text += [_tau(verdict.order, defence, size), _resampled(defence, verdict.order)]
+        removed = defence.points_that_matter, defence.groups_that_matter
+        grouped, further = defence.group_source is not None, defence.further_points
+        text.append(removal_words(*removed, grouped=grouped, further=further))
     text.append(_disagreement(verdict, criteria))
     text.append(_leave_one_out(verdict.order, defence.prediction))
     more = []

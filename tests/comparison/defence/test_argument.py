@@ -218,6 +218,14 @@ def test_an_order_left_out_between_is_not_said_to_lose():
     assert "No order up to" not in axis.verdict.text
 
 
+def test_an_order_alone_is_not_said_to_win():
+    """Nothing else was fitted; orders beyond it were tried and are named."""
+    axis = defended(camera_points(40, (*LINE, 60), 1.0, 1), (2,))
+    assert not re.search(r"\bwins?\b|removal|resamples", axis.verdict.text)
+    assert axis.defence.beyond.orders == (3, 4, 5)
+    assert "orders 3, 4, 5 were tried" in axis.verdict.text
+
+
 def test_a_straight_winner_at_every_tau_is_said(weak_curve):
     """The text's borders of tau are those of the curve, in per cent and px."""
     r = defended(bc.thesis(), (3, 4))
