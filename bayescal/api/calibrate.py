@@ -11,7 +11,7 @@ from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
-from bayescal.points.views.notes import alike
+from bayescal.points.views.notes import alike, scrambled
 from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
 
@@ -82,6 +82,8 @@ def calibrate(
             f"{views.source}: all views are alike, which tell no more of a lens than one does; add "
             "views from other sides and distances"
         )
+    if odd := scrambled(views):
+        raise InputError(f"{views.source}: {odd} name them anew, or leave it out: --without VIEW")
     names = None if lenses is None else tuple(lenses)
     request = LensRequest(names, independent, square, centred, per_view=sigma == PER_VIEW)
     settings = Settings(sigma=known, seed=seed, ess=ess)

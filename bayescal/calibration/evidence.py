@@ -38,26 +38,26 @@ def settled(problem: Problem) -> Problem:
     Problem
         The problem as it was where even a short step does.
     """
-    prior, height = strengths(problem.model, COARSE), _height(problem)
+    prior, highest = strengths(problem.model, COARSE), height(problem)
     for _ in range(SETTLE_STEPS):
         found = problem.laplace_over(prior)
         step, sd = found.mean, np.sqrt(np.diag(found.covariance))
         for _ in range(HALVINGS):
             x = problem.x + step
             moved = replace(problem, x=x, poses=problem.poses_at(x))
-            new = _height(moved)
-            if new > height - SLACK:
+            new = height(moved)
+            if new > highest - SLACK:
                 break
             step = step / 2
         else:
             break
-        problem, height = moved, new
+        problem, highest = moved, new
         if np.abs(step / sd).max() < NEAR:
             break
     return problem
 
 
-def _height(problem: Problem) -> float:
+def height(problem: Problem) -> float:
     """Log density at the reference; -inf where it can't see a point."""
     if not problem.stack.possible:
         return -math.inf

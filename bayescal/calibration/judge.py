@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
@@ -12,7 +13,7 @@ from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_grid import Averaged, ErrorGrid, Node, follow
 from bayescal.calibration.error_model import Geometry, Shared
-from bayescal.calibration.evidence import settled, weighed
+from bayescal.calibration.evidence import height, settled, weighed
 from bayescal.calibration.expansion import Expansion, expanded
 from bayescal.calibration.laplace import Level, laplace
 from bayescal.calibration.least_squares import Fit, with_bow
@@ -100,7 +101,7 @@ class LensEvidence:
 
 def lens_evidence(
     model: LensModel,
-    fit: Fit,
+    fits: Sequence[Fit],
     setting: Setting,
     start: tuple[Node, ...],
     rng: np.random.Generator,
@@ -112,14 +113,14 @@ def lens_evidence(
     ----------
     model : LensModel
         Without bow.
-    fit : Fit
-        Its least squares.
+    fits : sequence of Fit
+        Its least squares, and those of lenses that it contains: coefficients that cancel each
+        other fit best where the posterior is not.
     start : tuple of Node
         Error models to begin from, the likeliest last.
     """
-    bowed, begin = with_bow(fit, model) if setting.bow else (model, fit)
     node = start[-1]
-    reference = settled(setting.problem(bowed, begin.x, begin.poses, node))
+    reference = settled(max((_at(model, fit, setting, node) for fit in fits), key=height))
     for _ in range(TURNS):
         comparer = _Comparer(reference, setting)
         best = follow(setting.grid, comparer, (*start, node), NEARLY).nodes[0]
@@ -137,6 +138,11 @@ def lens_evidence(
         estimate = replace(estimate, log_evidence=linear)
     correction = estimate.log_evidence - linear
     return LensEvidence(errors, reference, estimate, errors.log_evidence + correction)
+
+
+def _at(model: LensModel, fit: Fit, setting: Setting, node: Node) -> Problem:
+    bowed, begin = with_bow(fit, model) if setting.bow else (model, fit)
+    return setting.problem(bowed, begin.x, begin.poses, node)
 
 
 class _Comparer:

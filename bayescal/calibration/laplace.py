@@ -144,7 +144,7 @@ def laplace(
         Log determinant of the noise's covariance over sigma^2.
     """
     nu, d = degrees(data), len(x)
-    a, towards = reduced.precision, prior.mean - x
+    a, towards = semidefinite(reduced.precision), prior.mean - x
     kept = np.arange(len(prior.log_weight))
     variance = level.variance(np.full(len(kept), reduced.sum_of_squares), nu)
     for turn in range(STEPS):
@@ -194,6 +194,22 @@ def _fit(level: Level, squares: Array, nu: int, prior: Strengths, deviation: Arr
 def constant(data: Seen, log_det: float, log_det_noise: float) -> float:
     """Sum what does not depend on the lens: weights, determinants and the poses' prior, nat."""
     return data.log_weight - (log_det + log_det_noise) / 2 + data.n_views * LOG_POSE
+
+
+def semidefinite(matrix: Array) -> Array:
+    """Take from a precision ``(d, d)`` what rounding made negative.
+
+    Eliminating poses leaves differences: coefficients that hardly differ in what they do are
+    told apart by nothing but rounding.
+    """
+    try:
+        np.linalg.cholesky(matrix)  # far sooner than eigenvalues
+    except np.linalg.LinAlgError:
+        scale = np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
+        values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
+        rooted = vectors * np.sqrt(np.maximum(values, 0.0)) * scale[:, None]
+        return np.asarray(rooted @ rooted.T)
+    return matrix
 
 
 def _positive(wanted: Array, instead: Array) -> Array:

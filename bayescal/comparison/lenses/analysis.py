@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -13,6 +14,7 @@ from bayescal.calibration.evidence import proposal
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level, degrees
 from bayescal.calibration.sampled import SampledLens
+from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.caveats import lens_findings
 from bayescal.comparison.lenses.gross_error import GrossError
@@ -81,11 +83,12 @@ def _compared(
             "judge a lens by; add views or points"
         )
     judged = judge_all(sweep, Store(), settings, lambda key: progress(str(key)))
-    if not judged:
+    unmet = [j.name for j in judged if not math.isfinite(j.log_evidence_error)]
+    judged = with_probabilities([j for j in judged if j.name not in unmet])
+    if not judged and not unmet:
         raise InputError("calibrate: no lens can see all points of these views")
     lenses = ranked(judged)
-    estimate = lenses[0].evidence.estimate
-    if estimate.effective_fraction * estimate.draws < FEWEST:
+    if not lenses or _effective(lenses[0]) < FEWEST:
         raise InputError(
             f"{views.source}: these views hardly say what the lens is (are they all alike?); add "
             "views from other sides and distances"
@@ -103,8 +106,13 @@ def _compared(
         drawn,
         gross_errors(lenses, sweep.setting, views),
         impossible=tuple(sweep.impossible),
-        failures=tuple(sweep.failures),
+        failures=tuple(dict.fromkeys([*sweep.failures, *unmet])),
     )
+
+
+def _effective(judged: JudgedLens) -> float:
+    estimate = judged.evidence.estimate
+    return estimate.effective_fraction * estimate.draws
 
 
 def concluded(

@@ -55,9 +55,10 @@ def tau_bound(basis: Evidenced) -> Finding | None:
 def _piled(basis: Evidenced, group: Group) -> str:
     masses = basis.posterior.at_bounds(f"tau {group.name}", group.bounds)
     sides = zip(("lower", "upper"), ("smaller", "larger"), group.bounds, masses, strict=True)
+    bow = group.name == "bow"
     for side, size, bound, mass in sides:
-        if mass > PILE:
-            unit = "diagonals" if group.name == "bow" else "px"
+        if mass > PILE and not (bow and side == "lower"):  # a flat target is as good for any lens
+            unit = "diagonals" if bow else "px"
             return (
                 f"{100 * mass:.0f}% of the posterior of tau ({group.name}) lies at its {side} "
                 f"bound, {significant(bound * group.unit)} {unit}: that part is {size} than its "

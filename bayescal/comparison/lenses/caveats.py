@@ -53,13 +53,13 @@ def unconverged(basis: Evidenced) -> Finding | None:
 
 
 def failed(basis: Evidenced) -> Finding | None:
-    """Fits worse than those of a model they contain."""
+    """Fits worse than those of a model they contain, or that no posterior was found about."""
     if not basis.failures:
         return None
     return overturns(
         "optimiser",
         f"the optimiser failed for {', '.join(basis.failures)}: fits stayed worse than those of "
-        "lenses they contain",
+        "lenses they contain, or no draw met the posterior",
         f"the optimiser failed for {', '.join(basis.failures)}",
     )
 

@@ -24,6 +24,8 @@ class FittedLens:
 
     Attributes
     ----------
+    below : tuple of Fit
+        Of lenses that it contains, in its coordinates.
     start : tuple of Node
         Error models to begin from.
     draws : int
@@ -35,6 +37,7 @@ class FittedLens:
     candidate: Candidate
     model: LensModel
     fit: Fit
+    below: tuple[Fit, ...]
     setting: Setting
     start: tuple[Node, ...]
     draws: int
@@ -48,7 +51,8 @@ class FittedLens:
     def judge(self, _: Store, settings: Settings) -> JudgedLens:
         """Weigh its evidence."""
         rng = self.key.rng(settings.seed)
-        found = lens_evidence(self.model, self.fit, self.setting, self.start, rng, self.draws)
+        fits = self.fit, *self.below
+        found = lens_evidence(self.model, fits, self.setting, self.start, rng, self.draws)
         judged = judged_lens(self.candidate, self.model, self.fit, self.setting, found)
         self.then(judged)
         return judged

@@ -90,7 +90,7 @@ def _chosen_without(
     best, fit = min(fits, key=bic)
     without = replace(setting, data=kept, geometry=Geometry(kept))
     starts = setting.grid.starts
-    settled = lens_evidence(best.model, fit, without, starts, np.random.default_rng(0), DRAWS)
+    settled = lens_evidence(best.model, (fit,), without, starts, np.random.default_rng(0), DRAWS)
     problem = settled.problem
     return setting.problem(problem.model, problem.x, problem.poses, settled.errors.nodes[0])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 from bayescal.calibration.error_grid import INDEPENDENT
@@ -106,13 +107,21 @@ class Sweep:
         """Fit candidates, leaving out those that can't see some point."""
         for candidate in candidates:
             model = self._model(candidate)
-            fit = self._fit(candidate, model)
+            below = self._below(candidate, model)
+            fit = self._fit(candidate, model, below)
             if not math.isfinite(fit.sum_of_squares):
                 self.impossible.append(candidate.name)
                 continue
             self._fits[candidate.name] = model, fit
             yield FittedLens(
-                candidate, model, fit, self.setting, self._start, self.request.draws, self._judged
+                candidate,
+                model,
+                fit,
+                below,
+                self.setting,
+                self._start,
+                self.request.draws,
+                self._judged,
             )
 
     def _judged(self, found: JudgedLens) -> None:
@@ -120,16 +129,14 @@ class Sweep:
         # The next lens's errors are likely to be those of this one.
         self._start = tuple(dict.fromkeys((INDEPENDENT, *found.evidence.errors.nodes[:1])))
 
-    def _fit(self, candidate: Candidate, model: LensModel) -> Fit:
+    def _below(self, candidate: Candidate, model: LensModel) -> tuple[Fit, ...]:
+        """Fits of the lenses that a lens contains, in its coordinates."""
+        found = [self._fits[name] for name in candidate.parents if name in self._fits]
+        return tuple(replace(fit, x=carried(old, fit.x, model)) for old, fit in found)
+
+    def _fit(self, candidate: Candidate, model: LensModel, below: Sequence[Fit]) -> Fit:
         """Least squares from every sub-model's fit; begun anew where that leaves much."""
-        tried: list[Fit] = []
-        below: list[Fit] = []
-        for name in candidate.parents:
-            if name not in self._fits:
-                continue
-            old, fit = self._fits[name]
-            below.append(fit)
-            tried.append(least_squares(model, self.data, carried(old, fit.x, model), fit.poses))
+        tried = [least_squares(model, self.data, fit.x, fit.poses) for fit in below]
         found = min((f.sum_of_squares for f in tried), default=math.inf)
         lowest = min((f.sum_of_squares for f in below), default=math.inf)
         if not math.isfinite(found) or found > lowest * (1 + WORSE) or self._far(found):

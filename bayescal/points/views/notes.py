@@ -31,7 +31,8 @@ def view_notes(views: Views) -> list[str]:
         )
     if len(views) > MANY:
         found.append(f"{len(views)} views: a hundred that differ say nearly as much, sooner")
-    return found + _repeated(views) + _order(views)
+    odd = scrambled(views)
+    return [*found, *_repeated(views), *([odd] if odd else []), *_mirrored(views)]
 
 
 def alike(views: Views) -> bool:
@@ -76,31 +77,39 @@ def _repeated(views: Views) -> list[str]:
     return [f"{copies[0]}{more}; copies of one photograph make every interval too narrow"]
 
 
-def _order(views: Views) -> list[str]:
-    """Planar views whose points seem named in the wrong order, or seen from behind."""
+def scrambled(views: Views) -> str:
+    """Say which views show no flat target, as where points are named in the wrong order."""
+    odd = [name for name, (misfit, _) in _senses(views) if misfit > SCRAMBLED]
+    if not odd:
+        return ""
+    return (
+        f"view {odd[0]} looks like no picture of a flat target: are its points in another order?"
+        f"{_others(odd)}"
+    )
+
+
+def _mirrored(views: Views) -> list[str]:
+    """Say which views show a flat target from behind, unlike most."""
+    senses = [(name, np.sign(turn)) for name, (_, turn) in _senses(views)]
+    most = sum(sense for _, sense in senses)
+    odd = [name for name, sense in senses if sense * most < 0]
+    if not odd:
+        return []
+    return [
+        f"view {odd[0]} shows the target mirrored, unlike most: is a row or column counted "
+        f"backwards there?{_others(odd)}"
+    ]
+
+
+def _senses(views: Views) -> list[tuple[str, tuple[float, float]]]:
+    """Name views of a flat target, with what `_smooth` says of each."""
     if not views.planar:
         return []
     plane = _plane(views.target)[views.corner]
-    turns, scrambled = [], []
-    for name, part in zip(views.names, views.slices, strict=True):
-        misfit, turn = _smooth(plane[part], views.pixels[part])
-        turns.append(turn)
-        if misfit > SCRAMBLED:
-            scrambled.append(name)
-    found = []
-    if scrambled:
-        found.append(
-            f"view {scrambled[0]} looks like no picture of a flat target: are its points in "
-            f"another order?{_others(scrambled)}"
-        )
-    back = np.sign(turns)
-    odd = [n for n, s in zip(views.names, back, strict=True) if s * back.sum() < 0]
-    if odd:
-        found.append(
-            f"view {odd[0]} shows the target mirrored, unlike most: is a row or column counted "
-            f"backwards there?{_others(odd)}"
-        )
-    return found
+    return [
+        (name, _smooth(plane[part], views.pixels[part]))
+        for name, part in zip(views.names, views.slices, strict=True)
+    ]
 
 
 def _others(names: list[str]) -> str:

@@ -9,18 +9,19 @@ import pytest
 
 import bayescal as bc
 from bayescal.calibration import lens_model
+from bayescal.comparison.findings.bounds import PILE
 from bayescal.comparison.lenses.bound_caveats import LOWEST, lift
 from bayescal.comparison.lenses.results import LensComparison
 from tests.helpers import boards
 
 
-def found(k1: float, sigma: float, *lenses: str) -> LensComparison:
+def found(k1: float, sigma: float, *lenses: str, independent: bool = True) -> LensComparison:
     world, pixels = boards.pictures(
         np.random.default_rng(1), 8, k=(k1, 0.0, 0.0, 0.0, 0.0), sigma=sigma
     )
     width, height = map(int, boards.SIZE)
     views = bc.Views.from_arrays([world] * 8, list(pixels), width=width, height=height)
-    return bc.calibrate(views, lenses=lenses, independent=True, ess=100)
+    return bc.calibrate(views, lenses=lenses, independent=independent, ess=100)
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +64,14 @@ def test_a_strength_at_its_bound_is_said_and_a_strong_one_is_not(
     assert not withholds
     assert "tau (radial) lies at its lower bound, 0.64 px" in text
     assert "tau-bound" not in said(lens_comparison)
+
+
+def test_a_flat_target_is_no_caveat() -> None:
+    """Every lens has the same bow: how small it is chooses none."""
+    result = found(-0.28, 0.05, "radial 1", "radial 2", independent=False)
+    (bow,) = [g for g in result.best.evidence.problem.model.groups if g.name == "bow"]
+    assert result.drawn.posterior.at_bounds("tau bow", bow.bounds)[0] > PILE
+    assert "tau-bound" not in said(result)
 
 
 def test_noise_below_all_that_the_prior_allows_withholds_the_verdict() -> None:
