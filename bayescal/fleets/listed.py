@@ -11,6 +11,7 @@ from bayescal.errors import InputError
 from bayescal.points.paths import named_paths
 from bayescal.points.tables.content import read_content
 from bayescal.points.tables.text import quoted
+from bayescal.rounding import counted
 
 KNOWN = ("file", "camera", "setup")
 
@@ -70,7 +71,9 @@ def _manifest(path: Path) -> list[Listed] | None:
         if not any(map(str.strip, fields)):
             continue
         if len(fields) != len(header):
-            raise InputError(f"{path}:{number}: has {len(fields)} fields, the header {len(header)}")
+            raise InputError(
+                f"{path}:{number}: has {counted(len(fields), 'field')}, the header {len(header)}"
+            )
         row = dict(zip(header, map(str.strip, fields), strict=True))
         if not row["file"]:
             raise InputError(f"{path}:{number}: file: is empty; name the camera's file")

@@ -37,7 +37,7 @@ def test_manifest(folder):
     [
         ("file\n", "lists no cameras"),
         ("file,lens\na/1.csv,x\n", r"list.csv:1: column 'lens' is none of file, camera, setup"),
-        ("file,camera\na/1.csv\n", r"list.csv:2: has 1 fields, the header 2"),
+        ("file,camera\na/1.csv\n", r"list.csv:2: has 1 field, the header 2"),
         ("file,camera\n,x\n", r"list.csv:2: file: is empty"),
         ("file,camera\na/1.csv,x\na/2.csv,x\n", r"list.csv:3: camera 'x' is named in line 2, too"),
     ],

@@ -130,6 +130,11 @@ BAD = {
     "header only": (f"{HEADER}\n# nothing\n", ": there are no points below the header"),
     "short row": (f"{HEADER}\n1,2,3,4,5\n1,2,3\n", ":3: has 3 fields where the header has 5"),
     "long row": (f"{HEADER}\n1,2,3,4,5,6\n", ":2: has 6 fields where the header has 5"),
+    "lines above": (
+        f"Date: 2026\nBy: me\n{HEADER}\n1,2,3,4,5\n",
+        r":3: has 1 field where the first line has 2 \('Date:,2026', line 1\)",
+    ),
+    "json": ('[{"x": 1, "y": 2}]', ":1: looks like JSON; give a table with columns x,y,z,r,c"),
     "unclosed quote": (f"label,{HEADER}\na,1,2,3,4,5\n" + '"b,1,2,3,4,5\nc,1,2,3,4,5\n', ":3: "),
     "text after quote": (f'{HEADER}\n"1"a,2,3,4,5\n', ":2: "),
     "line of 10 MB": (f"{HEADER}\n{'1' * 10_000_000}\n", ":2: field larger than field limit"),

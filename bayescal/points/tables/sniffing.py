@@ -11,6 +11,7 @@ from itertools import chain
 
 from bayescal.errors import InputError
 from bayescal.points.tables.text import quoted
+from bayescal.rounding import counted
 
 # How a separator is called in a note; runs of blanks count as one.
 SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
@@ -95,6 +96,8 @@ def parse_table(
     start = next((i for i, line in enumerate(kept) if line.strip()), None)
     if start is None:
         raise InputError(f"{name}: is empty; the first line must name the columns {names}")
+    if kept[start].lstrip()[0] in "[{":
+        raise InputError(f"{name}:{start + 1}: looks like JSON; give a table with columns {names}")
     separator = _separator(kept[start])
     records = _records(name, kept, separator)
     line, first = next(records)
@@ -116,8 +119,9 @@ def parse_table(
             whole.append(row)
             continue
         complaint = (
-            f"{name}:{row.line}: has {len(row.fields)} fields where the header has "
-            f"{len(header)} ({quoted(','.join(header))}); add or remove fields"
+            f"{name}:{row.line}: has {counted(len(row.fields), 'field')} where "
+            f"{'the header' if named else 'the first line'} has {len(header)} "
+            f"({quoted(','.join(header if named else first))}, line {line}); add or remove fields"
         )
         if ragged is None:
             raise InputError(complaint)
@@ -188,10 +192,10 @@ def _even(header: tuple[str, ...], rows: list[Line]) -> tuple[tuple[str, ...], l
         header, n = header[:-1], n - 1
     if rows and all(len(row.fields) == n + 1 for row in rows):
         names = [row.fields[0] for row in rows]
-        counted = names == [str(i + 1) for i in range(len(rows))] and len(rows) > 1
+        numbered = names == [str(i + 1) for i in range(len(rows))] and len(rows) > 1
         if all(row.fields[-1] == "" for row in rows):
             rows = [Line(row.line, row.fields[:-1]) for row in rows]
-        elif counted or not any(map(_is_number, names)):
+        elif numbered or not any(map(_is_number, names)):
             header = ("", *header)
     return header, rows
 
