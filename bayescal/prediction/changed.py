@@ -20,10 +20,9 @@ from scipy.linalg import eigh
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated.alignment import absorbed_turns
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.calibrated.hull import within
-from bayescal.prediction.calibrated.members import BoolArray, LensMember, Member, Parameters
+from bayescal.prediction.calibrated.members import BoolArray
 from bayescal.prediction.maps import NAMES, named_pixels
 from bayescal.prediction.sights import Sights, image_grid, sights
 from bayescal.rounding import significant
@@ -139,7 +138,7 @@ def changed(
     shift = drawn[1].mean(axis=0) - drawn[0].mean(axis=0)
     by_chance = np.concatenate([rng.permutation(away[1]) - away[0] for _ in range(PAIRED)])
     covariance = np.cov(by_chance.T)
-    inverse = _inverse(covariance, max(_free(m) for m in (*one.used[0], *two.used[0])))
+    inverse = _inverse(covariance, max(m.n_free for m in (*one.used[0], *two.used[0])))
     statistic = float(((shift @ inverse) ** 2).sum())
     p_value = float((((by_chance @ inverse) ** 2).sum(axis=1) >= statistic).mean())
     lengths = np.linalg.norm((shift + by_chance).reshape(len(by_chance), -1, 2), axis=2)
@@ -195,15 +194,8 @@ def _aligned(
 ) -> CalibratedCamera:
     """Turn every draw of lenses of many views into one frame, by what both were calibrated with."""
     rays, pixels = grid.world[grid.inside], grid.pixels[grid.inside]
-    members: list[Member] = []
-    for member in camera.members:
-        assert isinstance(member, LensMember), "what has no place in the world"
-        theta = member.parameters.draws[:, : member.n_lens]
-        intrinsics, k = member.intrinsics(theta)
-        turns = absorbed_turns(member.lens, intrinsics, k, rays, pixels)
-        kept = Parameters.of_draws(np.concatenate([theta, turns], axis=1))
-        members.append(replace(member, turn=np.eye(3), parameters=kept))
-    return replace(camera, members=tuple(members), distance=reference.distance)
+    members = tuple(member.aligned(rays, pixels) for member in camera.members)
+    return replace(camera, members=members, distance=reference.distance)
 
 
 def _draws(camera: CalibratedCamera, world: Array, rng: np.random.Generator) -> Array:
@@ -216,13 +208,6 @@ def _draws(camera: CalibratedCamera, world: Array, rng: np.random.Generator) -> 
         for member, count in zip(members, counts, strict=True)
     ]
     return camera.recorded(np.concatenate(pixels)).reshape(total, -1)
-
-
-def _free(member: Member) -> int:
-    """How many parameters move predictions: of a lens not the turn, which is taken out."""
-    if isinstance(member, LensMember) and not member.posed:
-        return member.n_lens
-    return len(member.parameters.mean)
 
 
 def _inverse(covariance: Array, rank: int) -> Array:

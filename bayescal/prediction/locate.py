@@ -16,7 +16,6 @@ import numpy as np
 
 from bayescal.arrays import Array, ArrayLike, IntArray
 from bayescal.prediction.calibrated.camera import CalibratedCamera
-from bayescal.prediction.calibrated.inverse import rays, solutions
 from bayescal.prediction.calibrated.members import KEPT, BoolArray, Member
 from bayescal.prediction.given import Surface, checked
 
@@ -133,7 +132,7 @@ def _located(
     camera: CalibratedCamera, pixels: Array, surface: Surface | None, seed: tuple[int, int]
 ) -> Location:
     """Locate pixels ``(n, 2)`` as the models count them."""
-    solved = solutions(camera.chosen, pixels)
+    solved = camera.chosen.solutions(pixels)
     drawn, share = monte_carlo(camera, pixels, surface, seed, _themselves)
     mean, sd, lower, upper = summaries(drawn, np.array(camera.used[1]))
     parts, linear = budget(camera, pixels, surface, _themselves)
@@ -195,7 +194,7 @@ def monte_carlo(
         kept = member.parameters
         depth = np.random.default_rng([seed[0], i]).standard_normal(len(kept.draws))
         noise = member.noise.draw(np.random.default_rng([*seed, i, 1]), len(pixels))
-        start = solutions(member, pixels).scaled
+        start = member.solutions(pixels).scaled
         points = _points(member, kept.draws, pixels - noise, start, surface, depth)
         out.append(measure(points))
     drawn = np.stack(out)
@@ -212,7 +211,7 @@ def _points(
     depth: Array,
 ) -> Array:
     """Points, or directions, of pixels at parameters ``(m, n, 3)``; nan where there are none."""
-    found = rays(member, theta, pixels, start)
+    found = member.rays(theta, pixels, start)
     direction, ok = found.direction, found.found
     if surface is None:
         return np.where(ok[..., None], direction, np.nan)
@@ -274,7 +273,7 @@ def _spread(
     member: Member, pixels: Array, surface: Surface | None, measure: Measure
 ) -> tuple[Array, dict[str, Array]]:
     """Quantities of a model's mean ``(q, e)``, and their variance by source."""
-    kept, start = member.parameters, solutions(member, pixels).scaled
+    kept, start = member.parameters, member.solutions(pixels).scaled
     mean = kept.mean[None]
 
     def at(theta: Array, moved: Array, depth: float = 0.0) -> Array:

@@ -15,7 +15,6 @@ import numpy as np
 from bayescal.arrays import Array, ArrayLike
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
-from bayescal.prediction.calibrated.inverse import solutions
 from bayescal.prediction.calibrated.members import BoolArray
 from bayescal.prediction.given import Surface, checked
 from bayescal.prediction.locate import (
@@ -139,7 +138,7 @@ def _block(
     expanded, error = _expanded(np.abs(drawn[..., 0] - mean[:, 0]), weights)
     expanded = np.where(share >= FEW, expanded, np.nan)
     parts, linear = budget(camera, pixels, surface, _lengths)
-    count = solutions(camera.chosen, pixels).count.reshape(2, -1)
+    count = camera.chosen.solutions(pixels).count.reshape(2, -1)
     usable = (count == 1).all(axis=0) & (share > 0.5) & np.isfinite(linear[:, 0])
     spreads = (linear, *(parts[name] for name in SOURCES))
     first, *rest = (row[:, 0] for row in spreads)

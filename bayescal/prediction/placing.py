@@ -10,9 +10,7 @@ from scipy.spatial.transform import Rotation
 from bayescal.arrays import Array
 from bayescal.cameras.pose import cross_matrices, rotations
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated.inverse import rays, solutions
 from bayescal.prediction.calibrated.members import BoolArray, Member
-from bayescal.prediction.calibrated.slopes import by_world
 
 MOST_STEPS = 60
 SETTLED = 1e-7  # of an sd of the pose: the last step, and steps shrink quadratically
@@ -59,8 +57,8 @@ def starts(member: Member, target: Array, pixels: Array) -> Placed | None:
 
     None where fewer than four pixels have a line of sight.
     """
-    solved = solutions(member, pixels)
-    sight = rays(member, member.parameters.mean[None], pixels[None], solved.scaled)
+    solved = member.solutions(pixels)
+    sight = member.rays(member.parameters.mean[None], pixels[None], solved.scaled)
     known = sight.found[0] & (solved.count > 0)
     if known.sum() < 4:
         return None
@@ -160,7 +158,7 @@ def sensitivity(
     Slopes are by the shifts and turns of `Placed.steps_from`.
     """
     arms = target @ np.swapaxes(at.rotation, 1, 2)
-    found, slope, seen = by_world(member, theta, arms + at.position[:, None, :])
+    found, slope, seen = member.project_with_slopes(theta, arms + at.position[:, None, :])
     miss = np.where(seen[..., None], (pixels - found) / scale, 0.0)
     slope = np.where(seen[..., None, None], slope / scale[:, None], 0.0)
     both = np.concatenate([slope, -slope @ cross_matrices(arms)], axis=-1)

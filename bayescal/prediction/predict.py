@@ -14,13 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array, ArrayLike
 from bayescal.prediction.calibrated.camera import CalibratedCamera
-from bayescal.prediction.calibrated.members import BoolArray, Member, PolynomialMember
+from bayescal.prediction.calibrated.members import Member, Moments
 from bayescal.prediction.calibrated.noise import mixture_quantiles
 from bayescal.prediction.given import checked
 
@@ -87,15 +88,6 @@ class Prediction:
         return f"<Prediction of {len(self)} points, {seen} seen; {self.method}>"
 
 
-@dataclass(frozen=True, eq=False)
-class Moments:
-    """Mean and deviation of one model's mapping, ``(n, 2)``, px, and which points it sees."""
-
-    mean: Array
-    sd: Array
-    seen: BoolArray
-
-
 def predict(
     camera: CalibratedCamera, world: ArrayLike, *, average: bool | None = None
 ) -> Prediction:
@@ -155,11 +147,11 @@ def predict(
 
 def moments(member: Member, world: Array) -> Moments:
     """Mean and deviation of one model's mapping."""
-    if isinstance(member, PolynomialMember) and member.linear:
-        return _blocks(member, world, _exact, 8)
+    if member.linear is not None:
+        return _blocks(world, member.linear, 8)
     if _by_draws(member, len(world)):
-        return _blocks(member, world, _over_draws, len(member.parameters.draws))
-    return _blocks(member, world, _by_steps, len(member.parameters.steps))
+        return _blocks(world, partial(_over_draws, member), len(member.parameters.draws))
+    return _blocks(world, partial(_by_steps, member), len(member.parameters.steps))
 
 
 def averaged(found: list[Moments], weights: tuple[float, ...]) -> tuple[Array, Array, Array]:
@@ -183,9 +175,9 @@ def _words(members: tuple[Member, ...], n: int) -> str:
     """Say how means and deviations of these models are computed."""
     how = {
         "exact moments of the coefficients"
-        if isinstance(m, PolynomialMember) and m.linear and m.parameters.exact
+        if m.linear and m.parameters.exact
         else "moments of the coefficients' draws"
-        if isinstance(m, PolynomialMember) and m.linear
+        if m.linear
         else f"{len(m.parameters.draws)} draws"
         if _by_draws(m, n)
         else "one-sd steps of the parameters"
@@ -194,32 +186,15 @@ def _words(members: tuple[Member, ...], n: int) -> str:
     return "; ".join(sorted(how))
 
 
-def _blocks(
-    member: Member, world: Array, how: Callable[[Member, Array], Moments], width: int
-) -> Moments:
+def _blocks(world: Array, how: Callable[[Array], Moments], width: int) -> Moments:
     """Do points block by block, `width` pixels of each held at once."""
     step = max(1, BLOCK // (2 * width))
-    parts = [how(member, world[i : i + step]) for i in range(0, max(len(world), 1), step)]
+    parts = [how(world[i : i + step]) for i in range(0, max(len(world), 1), step)]
     return Moments(
         np.concatenate([p.mean for p in parts]),
         np.concatenate([p.sd for p in parts]),
         np.concatenate([p.seen for p in parts]),
     )
-
-
-def _exact(member: Member, world: Array) -> Moments:
-    """Moments of a mapping that is linear in its parameters."""
-    assert isinstance(member, PolynomialMember), "only polynomials are"
-    kept = member.parameters
-    scaled, front = member.scaled(kept.mean[None], world)
-    mean = member.at_scaled(kept.mean[None], scaled)[0]
-    variance, at = np.empty_like(mean), 0
-    for axis in (0, 1):
-        p = member.columns(axis)
-        spread = member.design(scaled[0], axis) @ kept.root[at : at + p]
-        variance[:, axis] = np.einsum("nj,nj->n", spread, spread)
-        at += p
-    return Moments(mean, np.sqrt(variance), front[0])
 
 
 def _over_draws(member: Member, world: Array) -> Moments:
@@ -248,8 +223,7 @@ def _by_steps(member: Member, world: Array) -> Moments:
 
 def _checked_by_draws(member: Member, world: Array) -> list[str]:
     """Say where one-sd steps and draws differ noticeably."""
-    linear = isinstance(member, PolynomialMember) and member.linear
-    if linear or _by_draws(member, len(world)):
+    if member.linear or _by_draws(member, len(world)):
         return []
     some = world[np.linspace(0, len(world) - 1, CHECKED).astype(np.intp)]
     steps, draws = _by_steps(member, some), _over_draws(member, some)

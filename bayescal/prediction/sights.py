@@ -8,9 +8,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.prediction.calibrated.camera import CalibratedCamera
-from bayescal.prediction.calibrated.hull import within
-from bayescal.prediction.calibrated.inverse import continued, rays
-from bayescal.prediction.calibrated.members import BoolArray, LensMember, PolynomialMember
+from bayescal.prediction.calibrated.members import BoolArray
 
 COLUMNS, ROWS = 33, 25  # of a grid over the image
 
@@ -54,17 +52,9 @@ def extent(camera: CalibratedCamera) -> tuple[Array, Array]:
 def sights(camera: CalibratedCamera, pixels: Array) -> Sights:
     """Find what recorded pixels ``(n, 2)`` look at by the chosen model's mean."""
     member, own = camera.chosen, camera.recorded(pixels)
-    mean = member.parameters.mean[None]
-    start, ok = None, np.ones(len(own), dtype=bool)
-    if isinstance(member, PolynomialMember):
-        start, ok = continued(member, own)
-    sight = rays(member, mean, own[None], start)
-    found = ok & sight.found[0]
+    solved = member.continued(own)
+    sight = member.rays(member.parameters.mean[None], own[None], solved.scaled)
+    found = (solved.count > 0) & sight.found[0]
     world = sight.origin[0] + camera.distance * sight.direction[0]
     world[~found] = np.nan
-    if isinstance(member, LensMember):
-        inside = within(member.hull, own)
-    else:
-        inside = np.zeros(len(own), dtype=bool)
-        inside[found] = member.covered(world[found])
-    return Sights(pixels, world, found, found & inside)
+    return Sights(pixels, world, found, found & solved.inside)

@@ -19,7 +19,7 @@ from bayescal.arrays import Array, ArrayLike
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
-from bayescal.prediction.calibrated.members import BoolArray, LensMember, Member, Parameters
+from bayescal.prediction.calibrated.members import BoolArray, Member
 from bayescal.prediction.given import checked
 from bayescal.prediction.picture import Picture
 from bayescal.prediction.placing import Placed, distinct_poses, settle_poses
@@ -149,7 +149,7 @@ def locate_target(
     _check(points, measured, sigma)
     camera = camera.average(average)
     own = camera.recorded(measured)
-    members = [_in_own_frame(m) for m in camera.used[0]]
+    members = [m.in_own_frame() for m in camera.used[0]]
     pictures = [Picture(m.noise, sigma) for m in members]
     every = [
         distinct_poses(m, points, own, picture.scale)
@@ -194,15 +194,6 @@ def _check(points: Array, pixels: Array, sigma: float | None) -> None:
         raise InputError("the target's points lie on a line: they have no pose")
     if sigma is not None and not (math.isfinite(sigma) and sigma > 0):
         raise InputError(f"sigma must be above 0 px, not {sigma:g}")
-
-
-def _in_own_frame(member: Member) -> Member:
-    """Give a lens without a place the frame of its own axis, as solvePnP has it."""
-    if not isinstance(member, LensMember) or member.posed:
-        return member
-    kept, n = member.parameters, member.n_lens
-    own = Parameters(kept.mean[:n], kept.root[:n], kept.draws[:, :n], kept.exact)
-    return replace(member, turn=None, parameters=own)
 
 
 def _nearest(found: Sequence[Placed], to: Placed) -> Placed:

@@ -25,9 +25,7 @@ from bayescal.cameras.undistortion import (
 )
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
-from bayescal.prediction.calibrated.inverse import continued, monotone
-from bayescal.prediction.calibrated.members import BoolArray, LensMember, PolynomialMember
-from bayescal.prediction.calibrated.slopes import with_slopes
+from bayescal.prediction.calibrated.members import BoolArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,79 +59,28 @@ class ChosenCamera:
     @cached_property
     def intrinsics(self) -> Array:
         """fx, fy, cx, cy of the pinhole that it is without distortion, ``(4,)``, px."""
-        member, flip = self.camera.chosen, self.camera.c_from_bottom
-        if isinstance(member, LensMember):
-            fx, fy, cx, cy = member.intrinsics(member.parameters.mean[None])[0][0]
-            return np.array([fx, fy, cx, self.camera.recorded(np.array([cx, cy]))[1]])
-        ahead, slopes = self._ahead
-        if not member.covered(self._straight):
+        ahead = self.camera.chosen.ahead
+        if not ahead.calibrated:
             raise InputError(
                 "straight ahead, at x/z = y/z = 0, nothing was calibrated: the polynomial has no "
                 "focal length there; state a field in degrees (--field 60)"
             )
-        return np.array([*np.abs(slopes), *(self.camera.recorded(ahead) if flip else ahead)])
-
-    @cached_property
-    def _ahead(self) -> tuple[Array, Array]:
-        """Pixel of x/z = y/z = 0, and slopes of r and c there, px."""
-        member = self._polynomial
-        mean = member.parameters.mean[None]
-        scaled = np.array([d.scale(np.zeros(1))[0] for d in member.domains])
-        value, slope = with_slopes(member, mean, scaled[None, None])
-        half = np.array([d.half_range for d in member.domains])
-        return value[0, 0], np.diagonal(slope[0, 0]) / half
-
-    @property
-    def _straight(self) -> Array:
-        member = self._polynomial
-        at = member.positions(member.parameters.mean[None])[0]
-        return np.asarray(at + np.array([0.0, 0.0, member.side]))[None]
-
-    @property
-    def _polynomial(self) -> PolynomialMember:
-        assert isinstance(self.camera.chosen, PolynomialMember), "a lens has its own numbers"
-        return self.camera.chosen
+        return np.array([*np.abs(ahead.slopes), *self.camera.recorded(ahead.pixel)])
 
     @cached_property
     def _signs(self) -> Array:
-        """What makes directions x right and y down, as recorded pixels are, ``(2,)``."""
+        """What makes directions x right and y down, as recorded pixels are, ``(3,)``."""
         down = -1.0 if self.camera.c_from_bottom else 1.0
-        if isinstance(self.camera.chosen, LensMember):
-            return np.array([1.0, down])
-        return np.asarray(np.sign(self._ahead[1]) * np.array([1.0, down]))
+        return np.array([*(np.sign(self.camera.chosen.ahead.slopes) * [1.0, down]), 1.0])
 
     def rays(self, pixels: Array) -> Array:
         """Rays of recorded pixels, ``(n, 3)``; nan where there is none."""
-        member, own = self.camera.chosen, self.camera.recorded(pixels)
-        if isinstance(member, LensMember):
-            intrinsics, k = member.intrinsics(member.parameters.mean[None])
-            found = member.lens.undistort((own - intrinsics[0, 2:]) / intrinsics[0, :2], k[0])
-            return np.asarray(found.rays * np.array([*self._signs, 1.0]))
-        member = self._polynomial
-        scaled, ok = continued(member, own)
-        ratios = [
-            d.middle + d.half_range * s for d, s in zip(member.domains, scaled.T, strict=True)
-        ]
-        rays = np.stack([*ratios, np.ones(len(own))], axis=1)
-        rays[~ok] = np.nan
-        return np.asarray(rays * np.array([*self._signs, 1.0]))
+        return self.camera.chosen.directions(self.camera.recorded(pixels)) * self._signs
 
     def pixels(self, rays: Array) -> tuple[Array, BoolArray]:
         """Find recorded pixels of rays, ``(n, 2)``, and whether they are seen, ``(n,)``."""
-        member = self.camera.chosen
-        turned = rays * np.array([*self._signs, 1.0])
-        if isinstance(member, LensMember):
-            intrinsics, k = member.intrinsics(member.parameters.mean[None])
-            plane = member.lens.distort(turned, k[0])
-            pixels = intrinsics[0, 2:] + intrinsics[0, :2] * plane
-            return self.camera.recorded(pixels), member.lens.seen(turned, k[0])
-        member = self._polynomial
-        ratios = turned[:, :2] / turned[:, 2:]
-        scaled = np.column_stack(
-            [d.scale(s) for d, s in zip(member.domains, ratios.T, strict=True)]
-        )
-        pixels = member.at_scaled(member.parameters.mean[None], scaled[None])[0]
-        return self.camera.recorded(pixels), monotone(member, scaled)
+        pixels, seen = self.camera.chosen.of_directions(rays * self._signs)
+        return self.camera.recorded(pixels), seen
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,9 +11,11 @@ from scipy import stats
 import bayescal as bc
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.lens_member import LensMember
 from bayescal.prediction.calibrated.lenses import lens_member
-from bayescal.prediction.calibrated.members import LensMember, Parameters, PolynomialMember
+from bayescal.prediction.calibrated.members import Parameters
 from bayescal.prediction.calibrated.noise import NewNoise
+from bayescal.prediction.calibrated.polynomial_member import PolynomialMember
 from bayescal.prediction.changed import changed
 from tests.helpers.cases import camera_points
 

@@ -10,8 +10,8 @@ from scipy import stats
 
 import bayescal as bc
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated.inverse import rays, solutions
-from bayescal.prediction.calibrated.members import Parameters, PolynomialMember
+from bayescal.prediction.calibrated.members import Parameters
+from bayescal.prediction.calibrated.polynomial_member import PolynomialMember
 from bayescal.prediction.columns import location_columns, pair_columns
 from bayescal.prediction.given import Surface
 from bayescal.prediction.locate import locate, weighted_quantile
@@ -63,7 +63,7 @@ def test_an_inverse_that_is_claimed_is_one(cameras, name):
     member = camera.chosen
     pixels = predict(camera, world).mean
     theta = member.parameters.draws[:50]
-    found = rays(member, theta, pixels[None], solutions(member, pixels).scaled)
+    found = member.rays(theta, pixels[None], member.solutions(pixels).scaled)
     assert found.found.all()
     for i in range(len(theta)):
         points = found.origin[i] + 700.0 * found.direction[i]
@@ -79,7 +79,7 @@ def test_no_solution_and_several_are_said(cameras):
     mean = np.array([500.0, 0.0, -200.0, 540.0, 300.0])  # r: falls off on both sides
     bent = replace(member, parameters=replace(member.parameters, mean=mean))
     top = 500.0 + 100.0  # P_2(0) = -1/2
-    solved = solutions(bent, np.array([[top - 50.0, 540.0], [top + 5.0, 540.0]]))
+    solved = bent.solutions(np.array([[top - 50.0, 540.0], [top + 5.0, 540.0]]))
     assert solved.count.tolist() == [2, 0]
 
 
@@ -104,8 +104,8 @@ def test_the_sd_is_the_spread_of_noisy_measurements(cameras):
     found = locate(sure, pixels, surface=Surface((0, 0, 1), AT))
     rng = np.random.default_rng(5)
     noisy = pixels[:, None] + member.noise.scale * rng.standard_normal((3, 2000, 2))
-    start = np.repeat(solutions(member, pixels).scaled, 2000, axis=0)
-    seen = rays(member, kept.mean[None], noisy.reshape(1, -1, 2), start)
+    start = np.repeat(member.solutions(pixels).scaled, 2000, axis=0)
+    seen = member.rays(kept.mean[None], noisy.reshape(1, -1, 2), start)
     points = seen.origin[0] + seen.direction[0] * (AT / seen.direction[0, :, 2:])
     spread = points.reshape(3, 2000, 3).std(axis=1)
     np.testing.assert_allclose(found.sd[:, :2], spread[:, :2], rtol=0.15)

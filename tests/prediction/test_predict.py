@@ -11,7 +11,8 @@ import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.hull import hull_of, within
-from bayescal.prediction.calibrated.members import LensMember, Parameters
+from bayescal.prediction.calibrated.lens_member import LensMember
+from bayescal.prediction.calibrated.members import Parameters
 from bayescal.prediction.calibrated.noise import GRID, NewNoise, mixture_quantiles
 from bayescal.prediction.predict import _by_steps, _over_draws, averaged, moments
 from tests.helpers.cameras import turned_points

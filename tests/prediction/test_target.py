@@ -12,11 +12,12 @@ from scipy import linalg, stats
 import bayescal as bc
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated.members import LensMember, Parameters
+from bayescal.prediction.calibrated.lens_member import LensMember
+from bayescal.prediction.calibrated.members import Parameters
 from bayescal.prediction.picture import Picture
 from bayescal.prediction.placing import Placed, sensitivity, settle_poses
 from bayescal.prediction.propagating import propagated
-from bayescal.prediction.target import _in_own_frame, locate_target
+from bayescal.prediction.target import locate_target
 from tests.helpers.boards import board
 from tests.helpers.cases import camera_points
 
@@ -127,7 +128,7 @@ def test_chi_squared_is_that_of_the_noise_and_the_lens_together(camera):
     own = replace(camera, members=(member,))
     found = locate_target(own, points, pixels)
     at = Placed(rotations(found.rotation[None]), found.position[None], np.zeros(1))
-    plain = _in_own_frame(member)
+    plain = member.in_own_frame()
     scale = Picture(plain.noise).scale
     _, slope, _ = sensitivity(plain, plain.parameters.mean[None], points, pixels[None], scale, at)
     world = points @ found.matrix.T + found.position

@@ -8,7 +8,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated.members import LensMember
+from bayescal.prediction.calibrated.lens_member import LensMember
 from tests.helpers.cameras import turned_points
 from tests.helpers.cases import camera_points
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated.members import LensMember, Member, PolynomialMember
+from bayescal.prediction.calibrated.members import Member
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ class CalibratedCamera:
     @property
     def posed(self) -> bool:
         """Whether it maps world points; a lens without a pose maps points in its own frame."""
-        return all(isinstance(m, PolynomialMember) or _posed(m) for m in self.members)
+        return all(m.posed for m in self.members)
 
     def average(self, average: bool | None) -> CalibratedCamera:
         """Give the camera that averages over its models, or not; None leaves it as it is."""
@@ -116,10 +116,6 @@ class CalibratedCamera:
             for m, p in zip(self.members, self.probabilities, strict=True)
         )
         return f"<CalibratedCamera: {models}; from {self.source}>"
-
-
-def _posed(member: Member) -> bool:
-    return isinstance(member, LensMember) and member.posed
 
 
 def normalised(weights: Sequence[float]) -> tuple[float, ...]:

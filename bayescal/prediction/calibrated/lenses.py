@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -12,12 +11,11 @@ from bayescal.arrays import Array
 from bayescal.calibration.averaging import ErrorAverage
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
-from bayescal.prediction.calibrated.alignment import absorbed_turns
 from bayescal.prediction.calibrated.camera import CalibratedCamera, normalised
 from bayescal.prediction.calibrated.draws import thinned
 from bayescal.prediction.calibrated.hull import hull_of
-from bayescal.prediction.calibrated.inverse import rays
-from bayescal.prediction.calibrated.members import KEPT, LensMember, Parameters
+from bayescal.prediction.calibrated.lens_member import LensMember
+from bayescal.prediction.calibrated.members import KEPT, Parameters
 from bayescal.prediction.calibrated.noise import NewNoise
 
 ALIGNED = 100  # calibration pixels that fix the frame
@@ -78,12 +76,9 @@ def lens_member(
     name, options = named(key)
     plain = LensMember(key, name, options, None, None, hull, Parameters.of_draws(theta), noise)
     base = reference[0] if reference else plain
-    sight = rays(base, base.parameters.mean[None], seen[None], None)
+    sight = base.rays(base.parameters.mean[None], seen[None], None)
     known = sight.found[0]
-    intrinsics, k = plain.intrinsics(theta)
-    turns = absorbed_turns(plain.lens, intrinsics, k, sight.direction[0, known], seen[known])
-    draws = np.concatenate([theta, turns], axis=1)
-    return replace(plain, turn=np.eye(3), parameters=Parameters.of_draws(draws))
+    return plain.aligned(sight.direction[0, known], seen[known])
 
 
 def _lens_draws(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) -> Array:

@@ -18,7 +18,7 @@ from bayescal.files import write_whole
 from bayescal.points.tables.content import read_file
 from bayescal.polynomials.basis import Domain
 from bayescal.prediction.calibrated.camera import CalibratedCamera
-from bayescal.prediction.calibrated.members import LensMember, Member, Parameters, PolynomialMember
+from bayescal.prediction.calibrated.members import Member, Parameters
 from bayescal.prediction.calibrated.noise import NewNoise
 from bayescal.version import __version__
 
@@ -121,28 +121,13 @@ def _packed(member: Member, at: str, arrays: dict[str, Array]) -> dict[str, Any]
     )
     if noise.neighbours is not None:
         arrays[f"{at}neighbours"] = noise.neighbours
+    arrays[f"{at}hull"] = member.hull
     values: dict[str, Any] = {
         "name": member.name,
         "exact": kept.exact,
         "noise": {"name": noise.name, "nu": noise.nu, "bad_offset": noise.bad_offset},
     }
-    if isinstance(member, PolynomialMember):
-        arrays[f"{at}hull"] = member.hull
-        return values | {
-            "orders": member.orders,
-            "domains": [[d.lower, d.upper] for d in member.domains],
-            "bivariate": member.bivariate,
-            "position": None if member.position is None else member.position.tolist(),
-            "side": member.side,
-        }
-    assert isinstance(member, LensMember), "the other kind of member"
-    arrays[f"{at}hull"] = member.hull
-    return values | {
-        "lens": member.lens_name,
-        "options": member.lens_options,
-        "turn": None if member.turn is None else member.turn.tolist(),
-        "anchor": None if member.anchor is None else member.anchor.tolist(),
-    }
+    return values | member.plain()
 
 
 def _camera(head: dict[str, Any], arrays: dict[str, Array]) -> CalibratedCamera:
@@ -171,6 +156,8 @@ def _member(values: dict[str, Any], at: str, arrays: dict[str, Array]) -> Member
         neighbours=arrays.get(f"{at}neighbours"),
     )
     if "lens" in values:
+        from bayescal.prediction.calibrated.lens_member import LensMember
+
         return LensMember(
             values["name"],
             values["lens"],
@@ -181,15 +168,17 @@ def _member(values: dict[str, Any], at: str, arrays: dict[str, Array]) -> Member
             parameters,
             noise,
         )
+    from bayescal.prediction.calibrated.polynomial_member import PolynomialMember
+
     first, second = (Domain(*ends) for ends in values["domains"])
     return PolynomialMember(
-        values["name"],
         (values["orders"][0], values["orders"][1]),
         (first, second),
         values["bivariate"],
         arrays[f"{at}hull"],
         _array(values["position"]),
         values["side"],
+        values["name"],
         parameters,
         noise,
     )

@@ -35,7 +35,9 @@ from bayescal.prediction.calibrated.draws import (
     of_robust,
 )
 from bayescal.prediction.calibrated.hull import hull_of
-from bayescal.prediction.calibrated.members import LensMember, Member, Parameters, PolynomialMember
+from bayescal.prediction.calibrated.lens_member import LensMember
+from bayescal.prediction.calibrated.members import Member, Parameters
+from bayescal.prediction.calibrated.polynomial_member import PolynomialMember
 
 MOST = 12  # models kept of a pair of undecided axes
 
@@ -218,13 +220,13 @@ def _polynomial(
     level = np.column_stack([axis.log_sigma for axis in axes])
     eta = np.stack([axis.eta for axis in axes], axis=1)
     return PolynomialMember(
-        name,
         orders,
         (first, second),
         two,
         hull_of(scaled),
         position,
         float(np.sign(np.median(stated[:, 2]))),
+        name,
         parameters,
         new_noise(level, eta, noise, deviations),
     )

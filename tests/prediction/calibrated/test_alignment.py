@@ -15,7 +15,6 @@ from bayescal.comparison.lenses.prediction import (
     response,
 )
 from bayescal.prediction.calibrated.alignment import absorbed_turns
-from bayescal.prediction.calibrated.inverse import rays
 from tests.helpers.boards import SIZE
 
 
@@ -40,7 +39,7 @@ def test_a_lens_is_as_sure_as_its_linear_response(lens_comparison):
     expected = deviation(response_map, np.cov(lens_comparison.draws.T))
     camera = bc.camera(lens_comparison)
     member = camera.chosen
-    sight = rays(member, member.parameters.mean[None], grid[None], None)
+    sight = member.rays(member.parameters.mean[None], grid[None], None)
     found = bc.predict(camera, sight.direction[0] * 500.0)
     sd = np.sqrt((found.sd**2).mean(axis=1))
     # 1000 of the draws, whose sds have an error of 1/sqrt(2000); a sample of 100 fixes the turn.

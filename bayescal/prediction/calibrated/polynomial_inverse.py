@@ -1,4 +1,4 @@
-r"""What a pixel looks at: the inverse of a member's mapping, at its mean and at every draw.
+"""The inverse of polynomials: which scaled regressors give a pixel, at the mean and at every draw.
 
 A polynomial has an inverse where it is monotone. Inside the calibrated box the derivative's roots
 part each axis's polynomial into monotone pieces, so that every solution is found and counted; of
@@ -8,16 +8,14 @@ solution by Newton's method. A solution counts where the mapping gives the pixel
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import legendre
 
 from bayescal.arrays import Array, IntArray
-from bayescal.prediction.calibrated.hull import within
-from bayescal.prediction.calibrated.members import BoolArray, LensMember, Member, PolynomialMember
-from bayescal.prediction.calibrated.slopes import with_slopes
+from bayescal.prediction.calibrated.members import BoolArray
+from bayescal.prediction.calibrated.polynomial_map import PolynomialMap
 
 RESIDUAL = 1e-9  # px
 NEWTON, HALVINGS = 40, 80
@@ -28,99 +26,20 @@ MARGIN = 0.05  # of the domain, beyond its ends
 SAME = 1e-6  # of the domain: solutions closer than this are one
 
 
-@dataclass(frozen=True, eq=False)
-class Rays:
-    """Lines of sight.
-
-    Attributes
-    ----------
-    origin : Array
-        Of each draw, ``(m, 3)``.
-    direction : Array
-        Unit vectors away from the camera, ``(m, n, 3)``.
-    found : ndarray of bool
-        ``(m, n)``.
-    """
-
-    origin: Array
-    direction: Array
-    found: BoolArray
+def solved(mapping: PolynomialMap, mean: Array, pixels: Array) -> tuple[Array, IntArray]:
+    """Solve pixels ``(n, 2)`` in the box or a little beyond: a solution ``(n, 2)``, how many."""
+    return (_plane_solutions if mapping.bivariate else _line_solutions)(mapping, mean, pixels)
 
 
-@dataclass(frozen=True, eq=False)
-class Solutions:
-    """Where the mean of a member solves pixels.
-
-    Attributes
-    ----------
-    scaled : Array or None
-        Scaled regressors of a polynomial's solution, ``(n, 2)``; None of a lens.
-    count : Array
-        Number of solutions inside the calibrated domain or a little beyond, ``(n,)``.
-    inside : ndarray of bool
-        Whether the first of them is inside, ``(n,)``.
-    """
-
-    scaled: Array | None
-    count: IntArray
-    inside: BoolArray
-
-
-def solutions(member: Member, pixels: Array) -> Solutions:
-    """Solve pixels ``(n, 2)`` by a member's mean."""
-    if isinstance(member, LensMember):
-        found = rays(member, member.parameters.mean[None], pixels[None], None).found[0]
-        return Solutions(None, found.astype(np.intp), within(member.hull, pixels))
-    assert isinstance(member, PolynomialMember), "the other kind of member"
-    return _plane_solutions(member, pixels) if member.bivariate else _line_solutions(member, pixels)
-
-
-def rays(member: Member, theta: Array, pixels: Array, start: Array | None) -> Rays:
-    """Lines of sight of pixels at parameters.
-
-    Parameters
-    ----------
-    member : Member
-    theta : Array
-        ``(m, d)``.
-    pixels : Array
-        As the member counts them, ``(m, n, 2)`` or ``(1, n, 2)``, px.
-    start : Array or None
-        The mean's solution, of a polynomial, ``(n, 2)``.
-    """
-    if isinstance(member, LensMember):
-        return _lens_rays(member, theta, pixels)
-    assert isinstance(member, PolynomialMember), "the other kind of member"
-    assert start is not None, "draws follow the mean's solution"
-    shape = (len(theta), pixels.shape[1], 2)
-    scaled, found = _newton(
-        member, theta, np.broadcast_to(pixels, shape), np.broadcast_to(start, shape)
-    )
-    ratios = [d.middle + d.half_range * scaled[..., i] for i, d in enumerate(member.domains)]
-    ahead = np.stack([*ratios, np.ones_like(ratios[0])], axis=-1) * member.side
-    unit = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
-    return Rays(np.array(member.positions(theta)), unit, found)
-
-
-def _lens_rays(member: LensMember, theta: Array, pixels: Array) -> Rays:
-    intrinsics, k = member.intrinsics(theta)
-    plane = (pixels - intrinsics[:, None, 2:]) / intrinsics[:, None, :2]
-    undistorted = member.lens.undistort(plane, k)
-    unit = np.where(undistorted.found[..., None], undistorted.rays, 0.0)
-    unit[..., 2] = np.where(undistorted.found, unit[..., 2], 1.0)
-    matrix, t = member.pose(theta)
-    return Rays(-np.einsum("mji,mj->mi", matrix, t), unit @ matrix, undistorted.found)
-
-
-def _line_solutions(member: PolynomialMember, pixels: Array) -> Solutions:
+def _line_solutions(mapping: PolynomialMap, mean: Array, pixels: Array) -> tuple[Array, IntArray]:
     """Solve each axis on its own, on every monotone piece of its box."""
     out, count = np.zeros((len(pixels), 2)), np.ones(len(pixels), dtype=np.intp)
-    low, high = _searched(member)
-    for axis, b in enumerate(member.amplitudes(member.parameters.mean[None])):
+    low, high = _searched(mapping)
+    for axis, b in enumerate(mapping.amplitudes(mean)):
         at, n = _on_pieces(b[0], float(low[axis]), float(high[axis]), pixels[:, axis])
         out[:, axis] = at
         count *= n
-    return Solutions(out, count, member.in_domain(out))
+    return out, count
 
 
 def _on_pieces(b: Array, low: float, high: float, t: Array) -> tuple[Array, IntArray]:
@@ -148,17 +67,17 @@ def _turns(b: Array) -> Array:
     return np.asarray(turns.real[np.abs(turns.imag) < 1e-9 * (1 + np.abs(turns.real))])
 
 
-def _plane_solutions(member: PolynomialMember, pixels: Array) -> Solutions:
+def _plane_solutions(mapping: PolynomialMap, mean: Array, pixels: Array) -> tuple[Array, IntArray]:
     """Look for solutions of polynomials of both ratios from a grid of starts."""
-    low, high = _searched(member)
+    low, high = _searched(mapping)
     grid = np.stack(
         np.meshgrid(*(np.linspace(a, z, STARTS) for a, z in zip(low, high, strict=True))), axis=-1
     ).reshape(-1, 2)
     best, count = np.zeros((len(pixels), 2)), np.zeros(len(pixels), dtype=np.intp)
-    theta = np.repeat(member.parameters.mean[None], len(grid), axis=0)
+    theta = np.repeat(mean, len(grid), axis=0)
     for i, pixel in enumerate(pixels):
         shape = (len(grid), 1, 2)
-        at, found = _newton(member, theta, np.broadcast_to(pixel, shape), grid[:, None, :])
+        at, found = newton(mapping, theta, np.broadcast_to(pixel, shape), grid[:, None, :])
         near = ((at[:, 0] >= low) & (at[:, 0] <= high)).all(axis=1)
         inside = at[:, 0][found[:, 0] & near]
         kept: list[Array] = []
@@ -168,23 +87,23 @@ def _plane_solutions(member: PolynomialMember, pixels: Array) -> Solutions:
         count[i] = len(kept)
         if kept:
             best[i] = kept[0]
-    return Solutions(best, count, member.in_domain(best))
+    return best, count
 
 
-def _searched(member: PolynomialMember) -> tuple[Array, Array]:
+def _searched(mapping: PolynomialMap) -> tuple[Array, Array]:
     """Box to look for solutions in: noise puts half the pixels at its edge beyond it."""
-    low, high = member.box
+    low, high = mapping.box
     margin = MARGIN * (high - low)
     return low - margin, high + margin
 
 
-def _newton(
-    member: PolynomialMember, theta: Array, pixels: Array, start: Array
+def newton(
+    mapping: PolynomialMap, theta: Array, pixels: Array, start: Array
 ) -> tuple[Array, BoolArray]:
     """Solve for scaled regressors ``(m, n, 2)`` by Newton's method; whether each was found."""
     at = np.array(start, dtype=np.float64)
     for _ in range(NEWTON):
-        value, slope = with_slopes(member, theta, at)
+        value, slope = mapping.with_slopes(theta, at)
         miss = value - pixels
         det = slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -194,10 +113,10 @@ def _newton(
         at = at - step
         if np.abs(step).max(initial=0.0) < 1e-14:
             break
-    miss = np.abs(member.at_scaled(theta, at) - pixels).max(axis=-1)
+    miss = np.abs(mapping.at_scaled(theta, at) - pixels).max(axis=-1)
     # The same branch: the mapping turns there as it does where the search began.
-    _, before = with_slopes(member, theta, np.asarray(start))
-    _, after = with_slopes(member, theta, at)
+    _, before = mapping.with_slopes(theta, np.asarray(start))
+    _, after = mapping.with_slopes(theta, at)
     return at, (miss < RESIDUAL) & (np.sign(_det(before)) == np.sign(_det(after)))
 
 
@@ -205,7 +124,7 @@ def _det(slope: Array) -> Array:
     return np.asarray(slope[..., 0, 0] * slope[..., 1, 1] - slope[..., 0, 1] * slope[..., 1, 0])
 
 
-def continued(member: PolynomialMember, pixels: Array) -> tuple[Array, BoolArray]:
+def continued(mapping: PolynomialMap, mean: Array, pixels: Array) -> tuple[Array, BoolArray]:
     """Solve pixels on the monotone branch of the calibrated domain, and beyond it.
 
     Returns
@@ -215,11 +134,10 @@ def continued(member: PolynomialMember, pixels: Array) -> tuple[Array, BoolArray
     found : ndarray of bool
         Whether the mapping turns nowhere between the domain and the solution, ``(n,)``.
     """
-    low, high = member.box
+    low, high = mapping.box
     sides = (np.linspace(a, z, FINE) for a, z in zip(low, high, strict=True))
     grid = np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
-    mean = member.parameters.mean[None]
-    value = member.at_scaled(mean, grid[None])[0]
+    value = mapping.at_scaled(mean, grid[None])[0]
     blocks = range(0, max(len(pixels), 1), NEAREST)
     start = np.concatenate(
         [
@@ -227,26 +145,25 @@ def continued(member: PolynomialMember, pixels: Array) -> tuple[Array, BoolArray
             for i in blocks
         ]
     )
-    at, found = _newton(member, mean, pixels[None], start[None])
-    return at[0], found[0] & monotone(member, at[0])
+    at, found = newton(mapping, mean, pixels[None], start[None])
+    return at[0], found[0] & monotone(mapping, mean, at[0])
 
 
-def monotone(member: PolynomialMember, scaled: Array) -> BoolArray:
+def monotone(mapping: PolynomialMap, mean: Array, scaled: Array) -> BoolArray:
     """Whether the mean's mapping turns nowhere from the calibrated domain to places, ``(n,)``."""
-    low, high = member.box
-    mean = member.parameters.mean[None]
-    if not member.bivariate:
+    low, high = mapping.box
+    if not mapping.bivariate:
         ends = [_branch(b[0], *pair) for b, pair in zip(
-            member.amplitudes(mean), zip(low, high, strict=True), strict=True
+            mapping.amplitudes(mean), zip(low, high, strict=True), strict=True
         )]  # fmt: skip
         within_both = [(s > a) & (s < z) for s, (a, z) in zip(scaled.T, ends, strict=True)]
         return np.asarray(np.all(within_both, axis=0))
     middle = (low + high) / 2
-    _, slope = with_slopes(member, mean, middle[None, None])
+    _, slope = mapping.with_slopes(mean, middle[None, None])
     sign, start = np.sign(_det(slope)[0, 0]), np.clip(scaled, low, high)
     ok = np.ones(len(scaled), dtype=bool)
     for share in np.linspace(0, 1, PATH):
-        _, slope = with_slopes(member, mean, ((1 - share) * start + share * scaled)[None])
+        _, slope = mapping.with_slopes(mean, ((1 - share) * start + share * scaled)[None])
         ok &= np.sign(_det(slope)[0]) == sign
     return ok
 
