@@ -58,12 +58,11 @@ def settled(problem: Problem) -> Problem:
 
 
 def height(problem: Problem) -> float:
-    """Log density at the reference; -inf where it can't see a point."""
+    """Log density at the reference, poses at their next step; -inf where it can't see a point."""
     if not problem.stack.possible:
         return -math.inf
-    x = problem.x[None]
-    likelihood = problem.likelihood_of(problem.squares(x), np.zeros(1))
-    return float((likelihood + problem.log_prior(x))[0])
+    likelihood = problem.likelihood_of(np.array([problem.reduced.sum_of_squares]), np.zeros(1))
+    return float((likelihood + problem.log_prior(problem.x[None]))[0])
 
 
 def proposal(problem: Problem) -> tuple[TMixture, tuple[Mode, ...]]:
