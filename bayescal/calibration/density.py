@@ -19,7 +19,7 @@ from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array, IntArray
 from bayescal.calibration.error_model import Shared
-from bayescal.calibration.laplace import INFERRED, Laplace, Level, constant, degrees, laplace
+from bayescal.calibration.laplace import INFERRED, Forms, Laplace, Level, constant, degrees, laplace
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import Reduced, Views, eliminate, pose_response, reduce
@@ -136,8 +136,7 @@ class Problem:
         """
         possible = np.isfinite(squares)
         found = self.level.log_density(np.where(possible, squares, 1.0), degrees(self.data))
-        fixed = constant(self.data, self.reduced.log_det, self.shared.log_det)
-        return np.where(possible, found + fixed - log_det_change / 2, -np.inf)
+        return np.where(possible, found + self.form.constant - log_det_change / 2, -np.inf)
 
     def squares(self, x: Array) -> Array:
         """Smallest sum of squares over poses and offsets at lenses ``(n_draws, dimension)``.
@@ -228,14 +227,20 @@ class Problem:
         return np.asarray(whitener.T)
 
     @cached_property
+    def form(self) -> Forms:
+        """What the lens alone leaves of the data."""
+        log_dets = (np.array([each.log_det]) for each in (self.reduced, self.shared))
+        nu, fixed = np.array([degrees(self.data)]), constant(self.data, *log_dets)
+        return Forms.of(self.reduced.gram[None], nu, fixed)
+
+    @cached_property
     def laplace(self) -> Laplace:
         """Posterior by linear algebra about the reference."""
         return self.laplace_over(strengths(self.model))
 
     def laplace_over(self, prior: Strengths) -> Laplace:
         """Give it with other combinations of strengths."""
-        log_det = self.shared.log_det
-        return laplace(self.reduced, self.x, self.data, prior, log_det, self.level)
+        return laplace(self.form, self.x, prior, self.level)[0]
 
     @cached_property
     def spread(self) -> Array:

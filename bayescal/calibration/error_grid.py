@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -142,7 +142,7 @@ class Averaged:
 
 def follow(
     grid: ErrorGrid,
-    log_evidence: Callable[[Node], float],
+    log_evidences: Callable[[Sequence[Node]], Sequence[float]],
     start: Iterable[Node],
     kept: float = KEPT,
     most: int = 400,
@@ -151,14 +151,21 @@ def follow(
 
     Parameters
     ----------
-    log_evidence : callable
-        Of a node.
+    log_evidences : callable
+        Of nodes: those next to one are asked for together.
     kept : float, optional
         How far below the best a node may be for its neighbours to be looked at, nat.
     most : int, optional
         Nodes to evaluate at most.
     """
-    found = {node: log_evidence(node) + grid.log_prior(node) for node in dict.fromkeys(start)}
+    found: dict[Node, float] = {}
+
+    def evaluate(nodes: Iterable[Node]) -> None:
+        new = [node for node in dict.fromkeys(nodes) if node not in found]
+        for node, value in zip(new, log_evidences(new), strict=True):
+            found[node] = value + grid.log_prior(node)
+
+    evaluate(start)
     done: set[Node] = set()
     while len(found) < most:
         best = max(found.values())
@@ -167,9 +174,7 @@ def follow(
             break
         node = max(open_nodes, key=lambda n: found[n])
         done.add(node)
-        for other in grid.neighbours(node):
-            if other not in found:
-                found[other] = log_evidence(other) + grid.log_prior(other)
+        evaluate(grid.neighbours(node))
     order = sorted(found, key=lambda n: -found[n])
     total = float(logsumexp(list(found.values())))
     likely = [n for n in order if found[n] > found[order[0]] - kept]

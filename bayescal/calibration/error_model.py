@@ -147,8 +147,8 @@ class Geometry:
             log_det = np.broadcast_to(log_det, data.n_views)
         return Shared(inverse, log_det)
 
-    def offset_scale(self, error: ErrorModel, unit: float) -> Array | None:
-        """Deviation of the target's offsets over sigma in each direction of `offset_basis`.
+    def offset_sds(self, error: ErrorModel, unit: float) -> Array:
+        """Deviations of the target's offsets over sigma along `directions`, axis by axis.
 
         Parameters
         ----------
@@ -157,27 +157,27 @@ class Geometry:
 
         Returns
         -------
-        Array or None
-            ``(3 n_target,)``; None without offsets.
+        Array
+            ``(3 n_target,)``.
         """
-        if not error.offsets:
-            return None
         values, _ = self._smooth
         rough = np.array([1.0, 1.0, 0.0 if self.data.planar else 1.0]) * error.rough**2
         return np.asarray(unit * np.sqrt(error.smooth**2 * values[:, None] + rough).ravel())
 
-    @cached_property
-    def offset_basis(self) -> Array:
-        """Directions in which offsets are independent whatever their levels, orthonormal columns.
+    @property
+    def directions(self) -> Array:
+        """Directions over the target in which offsets are independent, whatever their levels.
 
-        ``(3 n_target, 3 n_target)``: x, y, z of the first point, then of the next.
+        Orthonormal columns, ``(n_target, n_target)``; each serves x, y and z.
         """
-        return np.asarray(np.kron(self._smooth[1], np.eye(3)), dtype=np.float64)
+        return self._smooth[1]
 
     def offset_root(self, error: ErrorModel, unit: float) -> Array | None:
         """Root of the covariance of the target's offsets over sigma^2, ``(3 n_target, q)``."""
-        scale = self.offset_scale(error, unit)
-        return None if scale is None else (self.offset_basis * scale)[:, scale > 0]
+        if not error.offsets:
+            return None
+        sds = self.offset_sds(error, unit)
+        return np.asarray((np.kron(self.directions, np.eye(3)) * sds)[:, sds > 0])
 
     @cached_property
     def _smooth(self) -> tuple[Array, Array]:

@@ -11,15 +11,15 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
-from bayescal.calibration.error_grid import Averaged, ErrorGrid, Node, follow
+from bayescal.calibration.error_grid import INDEPENDENT, Averaged, ErrorGrid, Node, follow
 from bayescal.calibration.error_model import Geometry, Shared
 from bayescal.calibration.evidence import height, settled, weighed
 from bayescal.calibration.expansion import Expansion, expanded
-from bayescal.calibration.laplace import Level, laplace
+from bayescal.calibration.laplace import Forms, Laplace, Level, constant, degrees, laplace
 from bayescal.calibration.least_squares import Fit, with_bow
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
-from bayescal.calibration.reduction import Sums, eliminate, reduce
+from bayescal.calibration.reduction import Sums, eliminate_independent, reduce
 from bayescal.calibration.stacking import Poses
 from bayescal.calibration.strengths import COARSE, strengths
 from bayescal.inference.estimate import EvidenceEstimate
@@ -133,7 +133,7 @@ def lens_evidence(
         node = errors.nodes[0]
         reference = settled(setting.under(reference, node))
     estimate, _, _ = weighed(expanded(reference), rng, draws)
-    linear = comparer(node)
+    (linear,) = comparer((node,))
     if not math.isfinite(estimate.log_evidence):  # no draw was possible; its warning says so
         estimate = replace(estimate, log_evidence=linear)
     correction = estimate.log_evidence - linear
@@ -152,26 +152,32 @@ class _Comparer:
         self.reference, self.setting = reference, setting
         self.prior = strengths(reference.model, COARSE)
         self.sums = lru_cache(maxsize=KEPT)(self._sums)
-        self._known: dict[Node, float] = {}
+        (found,) = self._integrated((INDEPENDENT,))
+        # Those left out would add nearly the same share to every error model.
+        self.prior = self.prior.only(found.likely)
+        self._known = {INDEPENDENT: found.log_evidence}
 
     def _sums(self, correlated: int, length: int) -> tuple[Shared, Sums]:
         geometry, grid = self.setting.geometry, self.setting.grid
         shared = geometry.shared(grid.error((correlated, length, 0, 0)))
         views = reduce(self.reference.stack, self.setting.data, shared, offsets=grid.offsets)
-        return shared, views.sums.turned(geometry.offset_basis) if grid.offsets else views.sums
+        return shared, views.sums.turned(geometry.directions) if grid.offsets else views.sums
 
-    def __call__(self, node: Node) -> float:
-        if node not in self._known:
-            self._known[node] = self._log_evidence(node)
-        return self._known[node]
+    def __call__(self, nodes: Sequence[Node]) -> list[float]:
+        new = [node for node in nodes if node not in self._known]
+        if new:
+            found = (each.log_evidence for each in self._integrated(new))
+            self._known.update(zip(new, found, strict=True))
+        return [self._known[node] for node in nodes]
 
-    def _log_evidence(self, node: Node) -> float:
-        setting = self.setting
-        shared, sums = self.sums(node[0], node[1])
-        scale = setting.geometry.offset_scale(setting.grid.error(node), setting.unit)
-        reduced, x = eliminate(sums, scale), self.reference.x
-        found = laplace(reduced, x, setting.data, self.prior, shared.log_det, setting.level)
-        if not self._known:
-            # Those left out would add nearly the same share to every error model.
-            self.prior = self.prior.only(found.likely)
-        return found.log_evidence
+    def _integrated(self, nodes: Sequence[Node]) -> list[Laplace]:
+        setting, data = self.setting, self.setting.data
+        shared, sums = zip(*(self.sums(*node[:2]) for node in nodes), strict=True)
+        sds = np.zeros((len(nodes), 0))
+        if setting.grid.offsets:
+            errors = map(setting.grid.error, nodes)
+            sds = np.array([setting.geometry.offset_sds(e, setting.unit) for e in errors])
+        gram, log_det = eliminate_independent(sums, sds)
+        fixed = constant(data, log_det, np.array([s.log_det for s in shared]))
+        forms = Forms.of(gram, np.full(len(nodes), degrees(data)), fixed)
+        return laplace(forms, self.reference.x, self.prior, setting.level)

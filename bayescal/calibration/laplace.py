@@ -13,14 +13,14 @@ x is integrated by Laplace about the mode of S^(-nu/2) times the prior.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
-from scipy.special import gammaln, logsumexp
+from scipy.special import gammaln
 
 from bayescal.arrays import LOG_2PI, Array, IntArray
-from bayescal.calibration.reduction import Reduced
+from bayescal.calibration.observations import Observations
 from bayescal.calibration.strengths import Strengths
 from bayescal.prior.strength import Strength
 
@@ -41,15 +41,14 @@ class Level:
     sigma: float | None = None
 
     def log_density(self, squares: Array, nu: int) -> Array:
-        """Log density of residuals by their sum of squares, sigma integrated out."""
+        """Log density of residuals by their sum of squares ``(n,)``, sigma integrated out."""
         if self.sigma is None:
             low, high = (math.log(b) for b in SIGMA_BOUNDS)
-            flat = Strength((low, high), nu).log_density(np.ravel(squares))
-            return np.asarray(flat).reshape(np.shape(squares))
+            return Strength((low, high), nu).log_density(squares)
         constant = -nu / 2 * LOG_2PI - nu * math.log(self.sigma)
         return np.asarray(constant - squares / (2 * self.sigma**2))
 
-    def variance(self, squares: Array, nu: int) -> Array:
+    def variance(self, squares: Array, nu: int | IntArray) -> Array:
         """Most probable sigma^2, px^2, within the bounds."""
         if self.sigma is not None:
             return np.full(np.shape(squares), self.sigma**2)
@@ -59,23 +58,7 @@ class Level:
 INFERRED = Level()
 
 
-class Seen(Protocol):
-    """What of observations an evidence needs beside their normal equations."""
-
-    @property
-    def n_points(self) -> int:
-        """Points in all views."""
-
-    @property
-    def n_views(self) -> int:
-        """Views."""
-
-    @property
-    def log_weight(self) -> float:
-        """Sum of the logs of the weights."""
-
-
-def degrees(data: Seen) -> int:
+def degrees(data: Observations) -> int:
     """Values less six for each pose: what is left to tell of sigma and the lens."""
     return 2 * data.n_points - 6 * data.n_views
 
@@ -96,11 +79,15 @@ class Laplace:
         Which of the combinations offered these are, ``(n_combinations,)``.
     """
 
-    log_evidence: float
     log_mass: Array
     step: Array
     covariances: Array
     kept: IntArray
+
+    @cached_property
+    def log_evidence(self) -> float:
+        """Of the model, nat."""
+        return float(np.logaddexp.reduce(self.log_mass))
 
     @property
     def likely(self) -> IntArray:
@@ -126,72 +113,139 @@ class Laplace:
         return np.asarray(within + (gap * shares[:, None]).T @ gap)
 
 
-def laplace(
-    reduced: Reduced,
-    x: Array,
-    data: Seen,
-    prior: Strengths,
-    log_det_noise: float,
-    level: Level = INFERRED,
-) -> Laplace:
-    """Integrate over a lens model's coordinates, sigma and strengths.
+@dataclass(frozen=True, eq=False)
+class Forms:
+    """Sums of squares, quadratic in the step of x: of several error models or sets of views.
+
+    Attributes
+    ----------
+    precision, slope, squares : Array
+        As of `Reduced`, ``(n, d, d)``, ``(n, d)`` and ``(n,)``.
+    nu : IntArray
+        Degrees of freedom, ``(n,)``.
+    constant : Array
+        What does not depend on the lens, nat, ``(n,)``.
+    """
+
+    precision: Array
+    slope: Array
+    squares: Array
+    nu: IntArray
+    constant: Array
+
+    @classmethod
+    def of(cls, gram: Array, nu: IntArray, constant: Array) -> Forms:
+        """Take them from Gram matrices of derivatives and residuals, ``(n, d + 1, d + 1)``."""
+        precision = np.array([semidefinite(each) for each in gram[:, :-1, :-1]])
+        return cls(precision, gram[:, :-1, -1], gram[:, -1, -1], nu, constant)
+
+
+def laplace(forms: Forms, x: Array, prior: Strengths, level: Level = INFERRED) -> list[Laplace]:
+    """Integrate each form over a lens model's coordinates, sigma and strengths.
 
     Parameters
     ----------
     x : Array
         Where residuals were linearised, ``(d,)``.
-    log_det_noise : float
-        Log determinant of the noise's covariance over sigma^2.
     """
-    nu, d = degrees(data), len(x)
-    a, towards = semidefinite(reduced.precision), prior.mean - x
-    kept = np.arange(len(prior.log_weight))
-    variance = level.variance(np.full(len(kept), reduced.sum_of_squares), nu)
+    n, d = forms.slope.shape
+    peak = np.einsum("nii->ni", forms.precision)
+    unit = 1 / np.sqrt(np.where(peak > 0, peak, 1.0))
+    rows = _Rows.of(forms, x, prior, unit)
+    variance = level.variance(rows.start, rows.nu)
     for turn in range(STEPS):
-        precision = a / variance[:, None, None] + _diagonal(prior.precision)
-        pull = prior.precision * towards
-        step = _solve(precision, reduced.slope / variance[:, None] + pull)
-        uphill = step @ a - reduced.slope  # half the slope of S
-        squares = reduced.sum_of_squares + ((uphill - reduced.slope) * step).sum(axis=1)
-        squares = np.maximum(squares, np.finfo(float).tiny)
-        before, variance = variance, level.variance(squares, nu)
-        if turn == 0 and len(variance) > 1:
-            fit = _fit(level, squares, nu, prior, step - towards)
-            rough = fit - np.linalg.slogdet(precision)[1] / 2
-            kept = np.flatnonzero(rough > rough.max() - NEGLIGIBLE)
-            prior = prior.only(kept)
+        curvature = rows.curvature(variance)
+        step, uphill, squares = rows.modes(curvature, variance)
+        before, variance = variance, level.variance(squares, rows.nu)
+        if turn == 0 and len(variance) > n:
+            rough = rows.height(level, step, squares) - np.linalg.slogdet(curvature)[1] / 2
+            best = np.maximum.reduceat(rough, np.searchsorted(rows.form, np.arange(n)))
+            some = np.flatnonzero(rough > best[rows.form] - NEGLIGIBLE)
+            rows = rows.only(some)
             step, uphill, squares, before, variance = (
-                v[kept] for v in (step, uphill, squares, before, variance)
+                v[some] for v in (step, uphill, squares, before, variance)
             )
         if np.abs(variance / before - 1).max() < SETTLED:
             break
-    curvature = a / variance[:, None, None] + _diagonal(prior.precision)
-    ratio = np.zeros(len(squares))
+    curvature = rows.curvature(variance)
+    covariance, log_det = np.linalg.inv(curvature), np.linalg.slogdet(curvature)[1]
+    log_mass = rows.height(level, step, squares) + forms.constant[rows.form]
     if level.sigma is None:
-        # -2 ln p = nu ln S bends less than S / sigma^2 does, which the integral over a t has
-        # in its gamma functions.
-        bent = curvature - 2 / (nu * variance[:, None, None] ** 2) * (
-            uphill[:, :, None] * uphill[:, None, :]
+        # -2 ln p = nu ln S bends less than S / sigma^2 does, by a matrix of rank one, where that
+        # leaves it positive; the integral over a t has the rest in its gamma functions.
+        turned, nu = (covariance @ uphill[..., None])[..., 0], rows.nu
+        less = 2 / (nu * variance**2)
+        left = 1 - less * (turned * uphill).sum(axis=1)
+        less, left = np.where(left > 0, less, 0.0), np.where(left > 0, left, 1.0)
+        covariance += (less / left)[:, None, None] * turned[:, :, None] * turned[:, None, :]
+        log_det += np.log(left)
+        share = np.clip((covariance * rows.precision).sum(axis=(1, 2)) / variance, 0, d)
+        log_mass += gammaln((nu - share) / 2) - gammaln(nu / 2) + share / 2 * np.log(nu / 2)
+    log_mass += d / 2 * LOG_2PI - log_det / 2 + np.log(unit).sum(axis=1)[rows.form]
+    step = step * unit[rows.form]
+    covariance *= (unit[:, :, None] * unit[:, None, :])[rows.form]
+    ends = np.searchsorted(rows.form, np.arange(1, n))
+    parts = (np.split(v, ends) for v in (log_mass, step, covariance, rows.kept))
+    return [Laplace(*part) for part in zip(*parts, strict=True)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Combinations of strengths under forms, one a row; coordinates scaled to like precision."""
+
+    form: IntArray
+    kept: IntArray
+    precision: Array
+    slope: Array
+    start: Array
+    nu: IntArray
+    towards: Array
+    strength: Array
+    log_prior: Array
+
+    @classmethod
+    def of(cls, forms: Forms, x: Array, prior: Strengths, unit: Array) -> _Rows:
+        """Put every combination under every form."""
+        form, kept = np.divmod(np.arange(len(unit) * len(prior.log_weight)), len(prior.log_weight))
+        return cls(
+            form,
+            kept,
+            (forms.precision * unit[:, :, None] * unit[:, None, :])[form],
+            (forms.slope * unit)[form],
+            forms.squares[form],
+            forms.nu[form],
+            ((prior.mean - x) / unit)[form],
+            prior.precision[kept] * unit[form] ** 2,
+            (prior.log_weight + prior.log_density)[kept],
         )
-        curvature = _positive(bent, curvature)
-    covariance = np.linalg.inv(curvature)
-    if level.sigma is None:
-        share = np.clip(np.einsum("cij,ij->c", covariance, a) / variance, 0, d)
-        ratio = gammaln((nu - share) / 2) - gammaln(nu / 2) + share / 2 * math.log(nu / 2)
-    log_mass = _fit(level, squares, nu, prior, step - towards) + ratio
-    log_mass += d / 2 * LOG_2PI - 0.5 * np.linalg.slogdet(curvature)[1]
-    log_mass = log_mass + constant(data, reduced.log_det, log_det_noise)
-    return Laplace(float(logsumexp(log_mass)), log_mass, step, covariance, kept)
+
+    def only(self, some: IntArray) -> _Rows:
+        """Keep some."""
+        return _Rows(*(getattr(self, each.name)[some] for each in fields(self)))
+
+    def curvature(self, variance: Array) -> Array:
+        """Of S / (2 sigma^2) and the prior, ``(n_rows, d, d)``."""
+        out = self.precision / variance[:, None, None]
+        np.einsum("rii->ri", out)[...] += self.strength
+        return np.asarray(out)
+
+    def modes(self, curvature: Array, variance: Array) -> tuple[Array, Array, Array]:
+        """Step to the mode, half the slope of S there, and S."""
+        pull = self.slope / variance[:, None] + self.strength * self.towards
+        step = np.linalg.solve(curvature, pull[..., None])[..., 0]
+        uphill = (self.precision @ step[..., None])[..., 0] - self.slope
+        squares = self.start + ((uphill - self.slope) * step).sum(axis=1)
+        return step, uphill, np.maximum(squares, np.finfo(float).tiny)
+
+    def height(self, level: Level, step: Array, squares: Array) -> Array:
+        """Log density of data and lens at the modes, times the combination's share."""
+        out = self.log_prior - (self.strength * (step - self.towards) ** 2).sum(axis=1) / 2
+        for nu in np.unique(self.nu):
+            out[self.nu == nu] += level.log_density(squares[self.nu == nu], int(nu))
+        return np.asarray(out)
 
 
-def _fit(level: Level, squares: Array, nu: int, prior: Strengths, deviation: Array) -> Array:
-    """Log density of data and lens at the mode of each combination, times its share."""
-    away = 0.5 * (prior.precision * deviation**2).sum(axis=1)
-    found = level.log_density(squares, nu) + prior.log_weight + prior.log_density - away
-    return np.asarray(found)
-
-
-def constant(data: Seen, log_det: float, log_det_noise: float) -> float:
+def constant(data: Observations, log_det: Array, log_det_noise: Array) -> Array:
     """Sum what does not depend on the lens: weights, determinants and the poses' prior, nat."""
     return data.log_weight - (log_det + log_det_noise) / 2 + data.n_views * LOG_POSE
 
@@ -210,24 +264,3 @@ def semidefinite(matrix: Array) -> Array:
         rooted = vectors * np.sqrt(np.maximum(values, 0.0)) * scale[:, None]
         return np.asarray(rooted @ rooted.T)
     return matrix
-
-
-def _positive(wanted: Array, instead: Array) -> Array:
-    """Take matrices ``(n, d, d)`` where they are positive definite, else those `instead`."""
-    try:
-        np.linalg.cholesky(wanted)  # far sooner than eigenvalues
-    except np.linalg.LinAlgError:
-        sound = np.linalg.eigvalsh(wanted)[:, 0] > 0
-        return np.where(sound[:, None, None], wanted, instead)
-    return wanted
-
-
-def _diagonal(rows: Array) -> Array:
-    return np.asarray(rows[:, :, None] * np.eye(rows.shape[1]))
-
-
-def _solve(matrices: Array, vectors: Array) -> Array:
-    """Solve scaled systems, ``(n, d, d)`` and ``(n, d)``."""
-    scale = 1 / np.sqrt(np.diagonal(matrices, axis1=1, axis2=2))
-    scaled = matrices * scale[:, :, None] * scale[:, None, :]
-    return np.asarray(np.linalg.solve(scaled, (vectors * scale)[..., None])[..., 0] * scale)

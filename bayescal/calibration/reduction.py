@@ -12,6 +12,7 @@ T = I + L' F L, F = sum_v G' M G (Golub & Pereyra 1973; Triggs et al. 2000, sect
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -88,8 +89,13 @@ class Sums:
     log_det: float
 
     def turned(self, basis: Array) -> Sums:
-        """Give offsets by other coordinates of the target, of which `basis` makes its points."""
-        return replace(self, cross=basis.T @ self.cross, inner=basis.T @ self.inner @ basis)
+        """Give offsets along directions over the target, ``(n_target, n_target)``, axis by axis."""
+        m, columns = len(basis), self.cross.shape[1]
+        cross = (basis.T @ self.cross.reshape(m, -1)).reshape(-1, columns)
+        axes = len(cross) // m
+        blocks = self.inner.reshape(m, axes, m, axes).transpose(1, 3, 0, 2)
+        inner = (basis.T @ blocks @ basis).transpose(2, 0, 3, 1).reshape(len(cross), -1)
+        return replace(self, cross=cross, inner=inner)
 
 
 def reduce(
@@ -173,12 +179,8 @@ class Reduced:
 
     Attributes
     ----------
-    precision : Array
-        J'J, ``(d, d)``.
-    slope : Array
-        J'e, ``(d,)``.
-    sum_of_squares : float
-        e'e.
+    gram : Array
+        Products of derivatives by x, then e, ``(d + 1, d + 1)``.
     log_det : float
         Of the pose blocks and the offsets' block together.
     offset_step : Array
@@ -186,11 +188,24 @@ class Reduced:
         ``(q, d + 1)``, columns as of `Views`; empty without.
     """
 
-    precision: Array
-    slope: Array
-    sum_of_squares: float
+    gram: Array
     log_det: float
     offset_step: Array
+
+    @property
+    def precision(self) -> Array:
+        """J'J, ``(d, d)``."""
+        return self.gram[:-1, :-1]
+
+    @property
+    def slope(self) -> Array:
+        """J'e, ``(d,)``."""
+        return self.gram[:-1, -1]
+
+    @property
+    def sum_of_squares(self) -> float:
+        """Residuals' own, e'e."""
+        return float(self.gram[-1, -1])
 
 
 def eliminate(sums: Sums, root: Array | None) -> Reduced:
@@ -199,26 +214,46 @@ def eliminate(sums: Sums, root: Array | None) -> Reduced:
     Parameters
     ----------
     root : Array or None
-        Of the offsets' covariance, ``(3 n_target, q)``; where it is diagonal its diagonal,
-        ``(3 n_target,)``.
+        Of the offsets' covariance, ``(3 n_target, q)``.
     """
-    gram, log_det = sums.gram, sums.log_det
-    step = np.zeros((0, gram.shape[1]))
-    if root is not None:
-        if root.ndim == 1:
-            some = np.flatnonzero(root)
-            scale = root[some, None]
-            cross, inner = (
-                scale * sums.cross[some],
-                scale * sums.inner[np.ix_(some, some)] * scale.T,
-            )
-        else:
-            cross, inner = root.T @ sums.cross, root.T @ sums.inner @ root
-        factor = cho_factor(np.eye(len(inner)) + inner, lower=True)
-        step = cho_solve(factor, cross)
-        gram = gram - cross.T @ step
-        log_det += 2 * float(np.log(np.diag(factor[0])).sum())
-    return Reduced(gram[:-1, :-1], gram[:-1, -1], float(gram[-1, -1]), log_det, step)
+    if root is None:
+        return Reduced(sums.gram, sums.log_det, np.zeros((0, len(sums.gram))))
+    cross, inner = root.T @ sums.cross, root.T @ sums.inner @ root
+    factor = cho_factor(np.eye(len(inner)) + inner, lower=True)
+    step = cho_solve(factor, cross)
+    log_det = sums.log_det + 2 * float(np.log(np.diag(factor[0])).sum())
+    return Reduced(sums.gram - cross.T @ step, log_det, step)
+
+
+def eliminate_independent(sums: Sequence[Sums], sds: Array) -> tuple[Array, Array]:
+    """Eliminate offsets that are independent along their directions, of many sums at once.
+
+    Parameters
+    ----------
+    sds : Array
+        Of the offsets over sigma, ``(n_sums, q)``.
+
+    Returns
+    -------
+    gram : Array
+        ``(n_sums, d + 1, d + 1)``.
+    log_det : Array
+        Of the pose blocks and the offsets' block together, ``(n_sums,)``.
+    """
+    cross = sds[:, :, None] * np.array([s.cross for s in sums])
+    n, q, columns = cross.shape
+    # The root of [[I + F, X], [X', anything large]] has that of I + F, and of X what it takes.
+    joint = np.zeros((n, q + columns, q + columns))
+    joint[:, :q, :q] = sds[:, :, None] * np.array([s.inner for s in sums]) * sds[:, None, :]
+    joint[:, q:, :q] = cross.swapaxes(1, 2)
+    diagonal = np.einsum("nii->ni", joint)
+    diagonal[:, :q] += 1
+    diagonal[:, q:] = 1 + (cross**2).sum(axis=(1, 2))[:, None]
+    root = np.linalg.cholesky(joint)
+    taken = root[:, q:, :q]
+    own = 2 * np.log(np.einsum("nii->ni", root)[:, :q]).sum(axis=1)
+    gram = np.array([s.gram for s in sums]) - taken @ taken.swapaxes(1, 2)
+    return gram, own + np.array([s.log_det for s in sums])
 
 
 def pose_response(views: Views, reduced: Reduced, root: Array | None) -> Array:

@@ -52,7 +52,7 @@ def test_following_a_hill_finds_its_sum(kept: float) -> None:
     def height(node: Node) -> float:
         return -0.6 * float(((np.array(node) - top) ** 2).sum())
 
-    found = follow(grid, height, [(0, 0, 0, 0)], kept)
+    found = follow(grid, lambda nodes: list(map(height, nodes)), [(0, 0, 0, 0)], kept)
     truth = logsumexp([height(n) + grid.log_prior(n) for n in nodes(grid)])
     assert found.nodes[0] == tuple(top)
     assert found.log_evidence <= truth + 1e-12

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cache
 
 import numpy as np
@@ -16,10 +16,10 @@ from bayescal.calibration import laplace as laplace_module
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_model import WHITE, ErrorModel, Geometry
 from bayescal.calibration.evidence import proposal, settled, weighed
-from bayescal.calibration.laplace import LOG_POSE, SIGMA_BOUNDS, Level, degrees, laplace
+from bayescal.calibration.laplace import LOG_POSE, SIGMA_BOUNDS, Forms, Level, degrees, laplace
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.stacking import residuals
-from bayescal.calibration.strengths import Strengths
+from bayescal.calibration.strengths import Strengths, strengths
 from bayescal.prior.strength import Strength
 from tests.helpers import boards
 
@@ -68,6 +68,23 @@ def test_combinations_of_strengths_that_are_dropped_matter_to_no_one(
     np.testing.assert_allclose(
         few.covariance, every.covariance, rtol=1e-3, atol=1e-4 * sd.min() ** 2
     )
+
+
+def test_forms_at_once_are_each_alone() -> None:
+    """Truth: one at a time; of unlike sums of squares and degrees of freedom."""
+    problem = settled_problem(WHITE)
+    form, prior = problem.form, strengths(problem.model)
+    parts = [(1.0, 1.0, 0), (2.0, 0.9, 100), (0.5, 40.0, 2)]
+    forms = [
+        Forms(a * form.precision, a * form.slope, b * form.squares, form.nu - c, form.constant)
+        for a, b, c in parts
+    ]
+    joined = (np.concatenate([getattr(f, each.name) for f in forms]) for each in fields(Forms))
+    for found, one in zip(laplace(Forms(*joined), problem.x, prior), forms, strict=True):
+        (truth,) = laplace(one, problem.x, prior)
+        assert found.log_evidence == pytest.approx(truth.log_evidence, abs=1e-6)
+        assert found.kept.tolist() == truth.kept.tolist()
+        np.testing.assert_allclose(found.covariance, truth.covariance, rtol=1e-5)
 
 
 def test_laplace_of_a_pose_is_its_integral() -> None:
@@ -177,7 +194,7 @@ def test_linear_gaussian_limit(error: ErrorModel) -> None:
     mean = problem.x + rng.normal(0, sd)
     log_density = -np.log(sd).sum() - d / 2 * math.log(2 * math.pi)
     prior = Strengths(sd[None] ** -2, np.array([log_density]), np.zeros(1), mean)
-    ours = laplace(problem.reduced, problem.x, data, prior, problem.shared.log_det, known)
+    (ours,) = laplace(problem.form, problem.x, prior, known)
     stack, v = problem.stack, data.n_views
     residual = stack.residuals.ravel()
     by_lens = stack.by_lens.reshape(len(residual), -1)

@@ -13,7 +13,7 @@ from bayescal.calibration.error_model import WHITE, ErrorModel, Geometry
 from bayescal.calibration.evidence import proposal, settled, weighed
 from bayescal.calibration.expansion import NEAR, Expansion, Terms, expanded
 from bayescal.calibration.observations import Observations
-from bayescal.calibration.reduction import reduce
+from bayescal.calibration.reduction import eliminate, eliminate_independent, reduce
 from bayescal.calibration.stacking import pose_slopes, stacked
 from tests.calibration.test_evidence import covariance_of_everything
 from tests.helpers import boards
@@ -72,15 +72,27 @@ def test_normal_equations_without_a_view(error: ErrorModel) -> None:
         np.testing.assert_allclose(ours, theirs, atol=1e-9 * max(1, np.abs(theirs).max(initial=0)))
 
 
-def test_offsets_are_independent_along_the_basis() -> None:
+def test_offsets_are_independent_along_their_directions() -> None:
     """Truth: the covariance of the root."""
     geometry = Geometry(some_missing(np.random.default_rng(3)))
-    scale, root = geometry.offset_scale(EVERYTHING, UNIT), geometry.offset_root(EVERYTHING, UNIT)
-    assert scale is not None
+    sds, root = geometry.offset_sds(EVERYTHING, UNIT), geometry.offset_root(EVERYTHING, UNIT)
     assert root is not None
-    basis = geometry.offset_basis
+    basis = np.kron(geometry.directions, np.eye(3))
     np.testing.assert_allclose(basis.T @ basis, np.eye(len(basis)), atol=1e-12)
-    np.testing.assert_allclose((basis * scale**2) @ basis.T, root @ root.T, atol=1e-15)
+    np.testing.assert_allclose((basis * sds**2) @ basis.T, root @ root.T, atol=1e-15)
+
+
+def test_offsets_are_eliminated_alike_along_them_and_by_their_root() -> None:
+    """Truth: the dense root; of several error models at once, one of them without offsets."""
+    problem = partial_problem(EVERYTHING)
+    geometry, sums = Geometry(problem.data), problem.views.sums
+    errors = [EVERYTHING, ErrorModel(0.5, 0.2), ErrorModel(0.5, 0.2, 0.0, 4.0)]
+    sds = np.array([geometry.offset_sds(error, UNIT) for error in errors])
+    grams, log_dets = eliminate_independent([sums.turned(geometry.directions)] * 3, sds)
+    for error, gram, log_det in zip(errors, grams, log_dets, strict=True):
+        truth = eliminate(sums, geometry.offset_root(error, UNIT))
+        np.testing.assert_allclose(gram, truth.gram, rtol=1e-9, atol=1e-12 * np.abs(gram).max())
+        assert log_det == pytest.approx(truth.log_det, abs=1e-9)
 
 
 def test_slopes_of_many_lenses_are_those_of_each() -> None:

@@ -3,27 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
 from bayescal.calibration.density import Problem
-from bayescal.calibration.laplace import Laplace, laplace
+from bayescal.calibration.laplace import LOG_POSE, Forms, degrees, laplace
 from bayescal.calibration.reduction import eliminate
-from bayescal.calibration.strengths import COARSE, Strengths, strengths
+from bayescal.calibration.strengths import COARSE, strengths
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 
 REFITS = 2  # Gauss-Newton steps from the fit to all views
 FAR = 0.3  # posterior deviations: without a view so influential residuals are linearised anew
-
-
-class Rest(NamedTuple):
-    """How much is left without a view."""
-
-    n_points: int
-    n_views: int
-    log_weight: float
 
 
 def leave_views_out(problem: Problem) -> tuple[LeaveOneOut, Array] | None:
@@ -40,8 +31,8 @@ def leave_views_out(problem: Problem) -> tuple[LeaveOneOut, Array] | None:
     whole = problem.laplace_over(prior)
     sd = np.sqrt(np.diag(whole.covariance))
     densities, lenses = [], []
-    for view in range(n):
-        x, rest = problem.x, _without(problem, view, prior)
+    for view, rest in enumerate(laplace(_without(problem), problem.x, prior, problem.level)):
+        x = problem.x
         if np.abs((rest.mean - whole.mean) / sd).max() > FAR:
             again = refitted(problem, np.delete(np.arange(n), view))
             x, rest = again.x, again.laplace_over(prior)
@@ -51,16 +42,20 @@ def leave_views_out(problem: Problem) -> tuple[LeaveOneOut, Array] | None:
     return left_out, np.array(lenses)
 
 
-def _without(problem: Problem, view: int, prior: Strengths) -> Laplace:
-    """Posterior without a view: its normal equations are taken from those of all."""
-    data, shared = problem.data, problem.shared
-    sums = problem.views.without(view, problem.stack, data, shared)
-    log_weight = float(np.log(data.weight[view, data.seen[view]]).sum())
-    rest = Rest(
-        data.n_points - int(data.counts[view]), data.n_views - 1, data.log_weight - log_weight
+def _without(problem: Problem) -> Forms:
+    """Take the normal equations of each view from those of all."""
+    data, shared, n = problem.data, problem.shared, problem.data.n_views
+    reduced = [
+        eliminate(problem.views.without(v, problem.stack, data, shared), problem.root)
+        for v in range(n)
+    ]
+    own = np.where(data.seen[..., None], data.weight, 1.0)
+    log_det = np.array([r.log_det for r in reduced])
+    log_det += shared.log_det - (0.0 if shared.inverse is None else shared.log_dets)
+    fixed = data.log_weight - np.log(own).sum(axis=(1, 2)) - log_det / 2 + (n - 1) * LOG_POSE
+    return Forms.of(
+        np.array([r.gram for r in reduced]), degrees(data) - (2 * data.counts - 6), fixed
     )
-    log_det = shared.log_det - (0.0 if shared.inverse is None else float(shared.log_dets[view]))
-    return laplace(eliminate(sums, problem.root), problem.x, rest, prior, log_det, problem.level)
 
 
 def refitted(problem: Problem, views: IntArray) -> Problem:
