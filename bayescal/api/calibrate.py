@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
+from bayescal.api.given import resumed
 from bayescal.comparison.lenses.analysis import compare_lenses
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import LensComparison
@@ -28,6 +30,7 @@ def calibrate(
     centred: bool = False,
     seed: int = 0,
     ess: int = 400,
+    resume: str | Path | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> LensComparison:
     """Compare lens models by their evidence, the poses of the views integrated out.
@@ -54,6 +57,9 @@ def calibrate(
         Of all randomness.
     ess : int, optional
         Effective samples wanted of every parameter.
+    resume : str or Path, optional
+        Folder that keeps every lens as soon as it is judged, and what is drawn: called again with
+        the same arguments after an interruption, it goes on from there.
     progress : callable, optional
         Called with what is being done.
 
@@ -87,4 +93,5 @@ def calibrate(
     names = None if lenses is None else tuple(lenses)
     request = LensRequest(names, independent, square, centred, per_view=sigma == PER_VIEW)
     settings = Settings(sigma=known, seed=seed, ess=ess)
-    return compare_lenses(views, request, settings, progress or (lambda _: None))
+    store = resumed(resume, views, settings, request)
+    return compare_lenses(views, request, settings, progress or (lambda _: None), store)

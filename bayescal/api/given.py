@@ -14,6 +14,7 @@ from bayescal.points.chunks.many import ManyPoints, many_points
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import camera_of, load
 from bayescal.points.setup import Setup
+from bayescal.points.views.views import Views
 from bayescal.polynomials.whole import Whole
 from bayescal.rounding import grouped
 
@@ -72,11 +73,11 @@ def points_of(given: Given, setup: GivenSetup = None) -> Correspondences:
 
 
 def resumed(
-    folder: str | Path | None, points: Correspondences, settings: Settings, request: object
+    folder: str | Path | None, of: Correspondences | Views, settings: Settings, request: object
 ) -> Store | None:
     """Give the store of an analysis that goes on after an interruption; None without a folder."""
     if folder is None:
         return None
     from bayescal.report.run.unfinished import Unfinished
 
-    return Unfinished(Path(folder), points, settings, request)
+    return Unfinished(Path(folder), of, settings, request)

@@ -72,6 +72,23 @@ class Setting:
 
 
 @dataclass(frozen=True, eq=False)
+class Weighed:
+    """What is found of a lens, and enough to have its evidence again.
+
+    Attributes
+    ----------
+    x : Array
+        Its mode under the most probable error model, ``(dimension,)``.
+    """
+
+    errors: Averaged
+    x: Array
+    poses: Poses
+    estimate: EvidenceEstimate
+    log_evidence: float
+
+
+@dataclass(frozen=True, eq=False)
 class LensEvidence:
     """A lens model's evidence, averaged over the error models.
 
@@ -90,6 +107,13 @@ class LensEvidence:
     estimate: EvidenceEstimate
     log_evidence: float
 
+    @classmethod
+    def of(cls, found: Weighed, model: LensModel, setting: Setting) -> LensEvidence:
+        """Put a lens, told without bow, where it was found."""
+        bowed = replace(model, bow=True) if setting.bow else model
+        problem = setting.problem(bowed, found.x, found.poses, found.errors.nodes[0])
+        return cls(found.errors, problem, found.estimate, found.log_evidence)
+
     @cached_property
     def density(self) -> Problem | Expansion:
         """What draws are made of: the problem's expansion where it is near.
@@ -106,7 +130,7 @@ def lens_evidence(
     start: tuple[Node, ...],
     rng: np.random.Generator,
     draws: int,
-) -> LensEvidence:
+) -> Weighed:
     """Compare the error models under a lens, and weigh the lens under the best of them.
 
     Parameters
@@ -137,7 +161,8 @@ def lens_evidence(
     if not math.isfinite(estimate.log_evidence):  # no draw was possible; its warning says so
         estimate = replace(estimate, log_evidence=linear)
     correction = estimate.log_evidence - linear
-    return LensEvidence(errors, reference, estimate, errors.log_evidence + correction)
+    total = errors.log_evidence + correction
+    return Weighed(errors, reference.x, reference.poses, estimate, total)
 
 
 def _at(model: LensModel, fit: Fit, setting: Setting, node: Node) -> Problem:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.output import add_output, check_file, check_output, code_of, publish
+from bayescal.commands.shared.resume import resumable
 from bayescal.commands.shared.view_options import add_views, views
 
 if TYPE_CHECKING:
@@ -82,19 +83,21 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.api.calibrate import calibrate
 
     found = views(options)
-    with shared.Progress(options, STEPS, "judging") as progress:
-        result = calibrate(
-            found,
-            lenses=options.lens,
-            sigma=options.sigma,
-            independent=options.independent,
-            square=options.square_pixels,
-            centred=options.centred,
-            seed=options.seed,
-            ess=options.ess,
-            progress=progress.named,
-        )
-    publish(options, result)
+    with resumable(options) as resume:
+        with shared.Progress(options, STEPS, "judging") as progress:
+            result = calibrate(
+                found,
+                lenses=options.lens,
+                sigma=options.sigma,
+                independent=options.independent,
+                square=options.square_pixels,
+                centred=options.centred,
+                seed=options.seed,
+                ess=options.ess,
+                resume=resume,
+                progress=progress.named,
+            )
+        publish(options, result)
     if options.report is not None:
         from bayescal.files import write_whole
         from bayescal.report.page.page import html, page_of

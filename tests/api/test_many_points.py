@@ -150,3 +150,19 @@ def test_an_interrupt_stops_at_once(
     assert (found.code, found.out) == (130, "")
     assert found.err == "bayescal: interrupted; nothing was written\n"
     assert not (tmp_path / "run").exists()
+
+
+def test_every_reading_is_counted_from_nothing(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Truth: a defence of both axes reads the points three times, and a line counts each once."""
+    counted: dict[Progress, int] = {}
+    original = Progress.more
+
+    def more(self: Progress, count: int) -> None:
+        counted[self] = counted.get(self, 0) + count
+        original(self, count)
+
+    monkeypatch.setattr(Progress, "more", more)
+    monkeypatch.setattr("bayescal.comparison.many.DEFENDED", 0)  # as if they were too many to hold
+    asked = ("--orders", "1-2", "--ess", "100", "--no-families", "--quiet")
+    assert here("compare", file, *CAMERA, *asked, "--defend").code == 0
+    assert list(counted.values()) == [N, N, N]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from bayescal.commands.shared import options as shared
@@ -17,7 +17,10 @@ if TYPE_CHECKING:
 
 @contextlib.contextmanager
 def many_or_few(options: argparse.Namespace) -> Iterator[Correspondences | ManyPoints]:
-    """Give points that are read in chunks where they are many, else as `points`."""
+    """Give points that are read in chunks where they are many, else as `points`.
+
+    Each time they are read there is a line of progress, which goes from nothing to the end.
+    """
     source, second = shared.files(options)
     many = None
     if source is not None and second is None and options.view is None:
@@ -27,5 +30,11 @@ def many_or_few(options: argparse.Namespace) -> Iterator[Correspondences | ManyP
     if many is None:
         yield shared.points(options)
         return
-    with shared.Progress(options, many.found.about, "reading points,") as progress:
-        yield shared.with_camera(dataclasses.replace(many, told=progress.more), options)
+    about = many.found.about
+    with contextlib.ExitStack() as line:
+
+        def begun() -> Callable[[int], None]:
+            line.close()
+            return line.enter_context(shared.Progress(options, about, "reading points,")).more
+
+        yield shared.with_camera(dataclasses.replace(many, begun=begun), options)

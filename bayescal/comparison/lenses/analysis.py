@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from threadpoolctl import threadpool_limits
 
+from bayescal.arrays import Array
 from bayescal.calibration.averaging import ErrorAverage
 from bayescal.calibration.evidence import proposal
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level, degrees
 from bayescal.calibration.sampled import SampledLens
+from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.caveats import lens_findings
@@ -37,7 +40,7 @@ from bayescal.comparison.lenses.sweep import Sweep, size_notes
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.errors import InputError
-from bayescal.inference.sampled_posterior import Guess, sample_model
+from bayescal.inference.sampled_posterior import Guess, SampledPosterior, sample_model
 from bayescal.points.views.notes import view_notes
 from bayescal.points.views.views import Views
 
@@ -49,7 +52,11 @@ Progress = Callable[[str], None]
 
 
 def compare_lenses(
-    views: Views, request: LensRequest, settings: Settings, progress: Progress = lambda _: None
+    views: Views,
+    request: LensRequest,
+    settings: Settings,
+    progress: Progress = lambda _: None,
+    store: Store | None = None,
 ) -> LensComparison:
     """Compare lens models over many views.
 
@@ -59,6 +66,8 @@ def compare_lenses(
         Of which sigma, seed and ess are used.
     progress : callable, optional
         Called with the name of each lens that is begun.
+    store : Store, optional
+        What has already been judged and drawn.
 
     Returns
     -------
@@ -70,19 +79,20 @@ def compare_lenses(
         Where no lens can be fitted, or an option can't be used.
     """
     with threadpool_limits(1):  # matrices are small: threads of BLAS would only wait
-        return _compared(views, request, settings, progress)
+        return _compared(views, request, settings, progress, store or Store())
 
 
 def _compared(
-    views: Views, request: LensRequest, settings: Settings, progress: Progress
+    views: Views, request: LensRequest, settings: Settings, progress: Progress, store: Store
 ) -> LensComparison:
-    sweep = Sweep(views, request, level_of(settings))
+    sweep = Sweep(views, request, level_of(settings), store.once)
+    setting = sweep.setting
     if degrees(sweep.data) <= 12:
         raise InputError(
             f"{views.source}: {views.n_points} points in {len(views)} views leave nothing to "
             "judge a lens by; add views or points"
         )
-    judged = judge_all(sweep, Store(), settings, lambda key: progress(str(key)))
+    judged = judge_all(sweep, store, settings, lambda key: progress(str(key)))
     unmet = [j.name for j in judged if not math.isfinite(j.log_evidence_error)]
     judged = with_probabilities([j for j in judged if j.name not in unmet])
     if not judged and not unmet:
@@ -94,59 +104,31 @@ def _compared(
             "views from other sides and distances"
         )
     progress("views left out")
-    lenses = _looked_at(lenses)
+    lenses = _looked_at(lenses, store)
     progress(f"draws of {lenses[0].name}")
-    drawn = _drawn(lenses[0], sweep.setting, request, settings)
-    return concluded(
-        views,
-        request,
-        settings,
-        sweep.setting,
-        lenses,
-        drawn,
-        gross_errors(lenses, sweep.setting, views),
-        impossible=tuple(sweep.impossible),
-        failures=tuple(dict.fromkeys([*sweep.failures, *unmet])),
+    drawn = _drawn(lenses[0], setting, request, settings, store)
+    find = partial(gross_errors, lenses, setting, views)
+    gross = store.once("gross errors", tuple[GrossError, ...], find)
+    lenses = _apart(lenses, setting, drawn, settings.seed)
+    found: dict[str, Any] = {
+        "views": views, "setting": setting, "lenses": lenses, "drawn": drawn, "gross": gross,
+        "places": places(lenses, setting.data, drawn.covariance, drawn.halves),
+        "impossible": tuple(sweep.impossible),
+        "failures": tuple(dict.fromkeys([*sweep.failures, *unmet])),
+    }  # fmt: skip
+    return LensComparison(
+        **found,
+        verdict=judge_lenses(lenses, lens_findings(Evidenced(**found))),
+        notes=(*view_notes(views), *size_notes(views)),
+        request=request,
+        settings=settings,
+        derived=store.derived,
     )
 
 
 def _effective(judged: JudgedLens) -> float:
     estimate = judged.evidence.estimate
     return estimate.effective_fraction * estimate.draws
-
-
-def concluded(
-    views: Views,
-    request: LensRequest,
-    settings: Settings,
-    setting: Setting,
-    lenses: tuple[JudgedLens, ...],
-    drawn: Drawn,
-    gross: tuple[GrossError, ...],
-    **beside: tuple[str, ...],
-) -> LensComparison:
-    """Conclude from what was judged and drawn, which is cheap.
-
-    Parameters
-    ----------
-    lenses : tuple of JudgedLens
-        The most probable first, views left out of the probable ones.
-    drawn : Drawn
-        Of the first of them.
-    gross : tuple of GrossError
-        Points further off than the errors allow.
-    **beside : tuple of str
-        As of `Evidenced`: impossible lenses, failures.
-    """
-    lenses = _apart(lenses, setting, drawn, settings.seed)
-    shown = places(lenses, setting.data, drawn.covariance, drawn.halves)
-    found: dict[str, Any] = {
-        "views": views, "setting": setting, "lenses": lenses, "drawn": drawn, "places": shown,
-        "gross": gross, **beside,
-    }  # fmt: skip
-    verdict = judge_lenses(lenses, lens_findings(Evidenced(**found)))
-    notes = (*view_notes(views), *size_notes(views))
-    return LensComparison(**found, verdict=verdict, notes=notes, request=request, settings=settings)
 
 
 def level_of(settings: Settings) -> Level:
@@ -160,12 +142,14 @@ def ranked(judged: Sequence[JudgedLens]) -> tuple[JudgedLens, ...]:
     return tuple(sorted(judged, key=lambda j: -j.log_evidence))
 
 
-def _looked_at(lenses: tuple[JudgedLens, ...]) -> tuple[JudgedLens, ...]:
+def _looked_at(lenses: tuple[JudgedLens, ...], store: Store) -> tuple[JudgedLens, ...]:
     """Leave views out of the probable lenses."""
     out = list(lenses)
     for rank, judged in enumerate(lenses):
         if rank < 2 or (judged.probability >= PROBABLE and rank < MOST_LOOKED_AT):
-            found = leave_views_out(judged.evidence.problem)
+            leave = partial(leave_views_out, judged.evidence.problem)
+            kind = tuple[LeaveOneOut, Array] | None
+            found = store.once_of(judged.key)("views left out", kind, leave)
             if found is not None:
                 out[rank] = replace(judged, loo=found[0], without=found[1])
     return tuple(out)
@@ -196,14 +180,22 @@ def _apart(
     return tuple(out)
 
 
-def _drawn(best: JudgedLens, setting: Setting, request: LensRequest, settings: Settings) -> Drawn:
-    problem = best.evidence.problem
-    for_chains, for_draws = best.key.rng(settings.seed, 1).spawn(2)
-    guess, averaged = Guess(*proposal(problem)), ErrorAverage(best.evidence, setting)
+def _drawn(
+    best: JudgedLens, setting: Setting, request: LensRequest, settings: Settings, store: Store
+) -> Drawn:
+    problem, key = best.evidence.problem, best.key
+    for_chains, for_draws = key.rng(settings.seed, 1).spawn(2)
     model = SampledLens(best.evidence.density)
-    return Drawn(
-        sample_model(model, for_chains, settings.ess, guess, request.draws),
-        averaged.draws(for_draws, request.draws),
-        averaged.covariance(),
-        halves(problem),
-    )
+
+    def sample() -> SampledPosterior:
+        guess = Guess(*proposal(problem))
+        return sample_model(model, for_chains, settings.ess, guess, request.draws)
+
+    def average() -> tuple[Array, Array, tuple[Array, ...]]:
+        averaged = ErrorAverage(best.evidence, setting)
+        draws = averaged.draws(for_draws, request.draws)
+        return draws, averaged.covariance(), halves(problem)
+
+    posterior = store.posterior(key, model, sample)
+    kind = tuple[Array, Array, tuple[Array, ...]]
+    return Drawn(posterior, *store.once_of(key)("errors averaged", kind, average))

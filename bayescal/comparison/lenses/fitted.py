@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
-from bayescal.arrays import LOG_2PI, Array
+from bayescal.arrays import LOG_2PI
 from bayescal.calibration.error_grid import Node
-from bayescal.calibration.judge import LensEvidence, Setting, lens_evidence
+from bayescal.calibration.judge import LensEvidence, Setting, Weighed, lens_evidence
 from bayescal.calibration.least_squares import Fit, rms
 from bayescal.calibration.lens_model import LensModel
-from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.comparison.settings import Settings
@@ -48,14 +48,18 @@ class FittedLens:
         """Which it is."""
         return LensKey(name=self.candidate.name)
 
-    def judge(self, _: Store, settings: Settings) -> JudgedLens:
+    def judge(self, store: Store, settings: Settings) -> JudgedLens:
         """Weigh its evidence."""
-        rng = self.key.rng(settings.seed)
-        fits = self.fit, *self.below
-        found = lens_evidence(self.model, fits, self.setting, self.start, rng, self.draws)
-        judged = judged_lens(self.candidate, self.model, self.fit, self.setting, found)
+        found = store.once_of(self.key)("evidence", Weighed, partial(self._weighed, settings.seed))
+        evidence = LensEvidence.of(found, self.model, self.setting)
+        judged = judged_lens(self.candidate, self.model, self.fit, self.setting, evidence)
         self.then(judged)
         return judged
+
+    def _weighed(self, seed: int) -> Weighed:
+        rng = self.key.rng(seed)
+        fits = self.fit, *self.below
+        return lens_evidence(self.model, fits, self.setting, self.start, rng, self.draws)
 
 
 def judged_lens(
@@ -64,10 +68,8 @@ def judged_lens(
     fit: Fit,
     setting: Setting,
     evidence: LensEvidence,
-    loo: LeaveOneOut | None = None,
-    without: Array | None = None,
 ) -> JudgedLens:
-    """Put a lens's evidence, and what left-out views say, beside its least-squares criteria."""
+    """Put a lens's evidence beside its least-squares criteria."""
     data, sigma = setting.data, setting.level.sigma
     n, k = data.n_points, model.dimension + 6 * data.n_views
     chi2 = None
@@ -93,6 +95,5 @@ def judged_lens(
         aic=aic,
         bic=bic,
         evidence=evidence,
-        loo=loo,
-        without=without,
+        loo=None,
     )

@@ -16,7 +16,7 @@ import numpy as np
 from bayescal.calibration.density import Problem
 from bayescal.calibration.error_model import Geometry
 from bayescal.calibration.free_points import FreePoint, FreePoints
-from bayescal.calibration.judge import Setting, lens_evidence
+from bayescal.calibration.judge import LensEvidence, Setting, lens_evidence
 from bayescal.calibration.least_squares import Fit, least_squares
 from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.results import JudgedLens
@@ -91,8 +91,7 @@ def _chosen_without(
     without = replace(setting, data=kept, geometry=Geometry(kept))
     starts = setting.grid.starts
     settled = lens_evidence(best.model, (fit,), without, starts, np.random.default_rng(0), DRAWS)
-    problem = settled.problem
-    return setting.problem(problem.model, problem.x, problem.poses, settled.errors.nodes[0])
+    return LensEvidence.of(settled, best.model, setting).problem
 
 
 def _named(found: FreePoint, views: Views) -> GrossError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -211,6 +211,8 @@ class LensComparison(Evidenced, convert.Converts):
         What was assumed.
     origin : dict or None
         As of `bayescal.comparison.results.Comparison`.
+    derived : dict of str to Any
+        What took long, by name (`bayescal.comparison.store.Store.once`).
     """
 
     verdict: LensVerdict
@@ -218,6 +220,7 @@ class LensComparison(Evidenced, convert.Converts):
     request: LensRequest
     settings: Settings
     origin: dict[str, Any] | None = None
+    derived: dict[str, Any] = field(default_factory=dict)
 
     @property
     def plausible(self) -> tuple[JudgedLens, ...]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 
+from bayescal.arrays import Array
 from bayescal.calibration.error_grid import INDEPENDENT
 from bayescal.calibration.judge import Setting
 from bayescal.calibration.laplace import Level
@@ -21,6 +22,7 @@ from bayescal.comparison.lenses.candidates import (
     SURE_FISHEYE,
     SURE_RADIAL,
     Candidate,
+    LensKey,
     fisheye_candidate,
     named_candidates,
     other_candidates,
@@ -30,6 +32,7 @@ from bayescal.comparison.lenses.candidates import (
 from bayescal.comparison.lenses.fitted import FittedLens
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import JudgedLens
+from bayescal.comparison.store import Once, now
 from bayescal.points.views.views import Views
 
 FLEXIBLE = ("radial 3 + p", "fisheye 3")  # lenses that show how noisy views are
@@ -47,6 +50,8 @@ class Sweep:
     ----------
     level : Level
         What is known of sigma.
+    once : callable, optional
+        Has what takes long from where it is kept.
 
     Attributes
     ----------
@@ -58,18 +63,22 @@ class Sweep:
         Lenses whose fit stayed worse than that of one they contain.
     """
 
-    def __init__(self, views: Views, request: LensRequest, level: Level) -> None:
+    def __init__(self, views: Views, request: LensRequest, level: Level, once: Once = now) -> None:
         size = image_size(views)
-        self.request = request
+        self.request, self._once = request, once
         self.data = Observations.from_views(views, size)
         if request.per_view:
-            self.data = self.data.with_levels(view_levels(self.data, self._models(FLEXIBLE)))
+            levels = once("noise of views", Array, self._levels)
+            self.data = self.data.with_levels(levels)
         self.impossible: list[str] = []
         self.failures: list[str] = []
         self.setting = Setting.of(self.data, level, independent=request.independent)
         self._start = self.setting.grid.starts
         self._fits: dict[str, tuple[LensModel, Fit]] = {}
         self._evidence: dict[str, float] = {}
+
+    def _levels(self) -> Array:
+        return view_levels(self.data, self._models(FLEXIBLE))
 
     def _models(self, names: Sequence[str]) -> list[LensModel]:
         return [self._model(candidate) for candidate in named_candidates(names)]
@@ -108,7 +117,11 @@ class Sweep:
         for candidate in candidates:
             model = self._model(candidate)
             below = self._below(candidate, model)
-            fit = self._fit(candidate, model, below)
+            lowest = min((f.sum_of_squares for f in below), default=math.inf) * (1 + WORSE)
+            name = f"{LensKey(name=candidate.name).file()} fit"
+            fit = self._once(name, Fit, partial(self._fit, model, below, lowest))
+            if fit.sum_of_squares > lowest:
+                self.failures.append(candidate.name)
             if not math.isfinite(fit.sum_of_squares):
                 self.impossible.append(candidate.name)
                 continue
@@ -134,17 +147,13 @@ class Sweep:
         found = [self._fits[name] for name in candidate.parents if name in self._fits]
         return tuple(replace(fit, x=carried(old, fit.x, model)) for old, fit in found)
 
-    def _fit(self, candidate: Candidate, model: LensModel, below: Sequence[Fit]) -> Fit:
+    def _fit(self, model: LensModel, below: Sequence[Fit], lowest: float) -> Fit:
         """Least squares from every sub-model's fit; begun anew where that leaves much."""
         tried = [least_squares(model, self.data, fit.x, fit.poses) for fit in below]
         found = min((f.sum_of_squares for f in tried), default=math.inf)
-        lowest = min((f.sum_of_squares for f in below), default=math.inf)
-        if not math.isfinite(found) or found > lowest * (1 + WORSE) or self._far(found):
+        if not math.isfinite(found) or found > lowest or self._far(found):
             tried.extend(self._anew(model))
-        best = min(tried, key=lambda f: f.sum_of_squares)
-        if best.sum_of_squares > lowest * (1 + WORSE):
-            self.failures.append(candidate.name)
-        return best
+        return min(tried, key=lambda f: f.sum_of_squares)
 
     def _far(self, sum_of_squares: float) -> bool:
         """Whether a fit leaves so much that it may be of a local optimum."""

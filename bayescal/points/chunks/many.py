@@ -39,8 +39,9 @@ class ManyPoints:
     digest : callable
         SHA-256 of what they are read from.
     setup : Setup
-    told : callable or None
-        Called with the number of points of each chunk that was read.
+    begun : callable or None
+        Called when they begin to be read, once more each time; gives what is told the number of
+        points of each chunk.
     """
 
     source: str
@@ -48,13 +49,14 @@ class ManyPoints:
     load: Callable[[], Correspondences]
     digest: Callable[[], str]
     setup: Setup = field(default_factory=Setup)
-    told: Callable[[int], None] | None = None
+    begun: Callable[[], Callable[[int], None]] | None = None
 
     def __iter__(self) -> Iterator[Correspondences]:
+        told = None if self.begun is None else self.begun()
         for chunk in self.found.read(self.setup):
             yield chunk
-            if self.told is not None:
-                self.told(len(chunk))
+            if told is not None:
+                told(len(chunk))
 
     @property
     def exact_world(self) -> bool:

@@ -6,7 +6,6 @@
 ``reduction.npz``     of many points, of which points.csv holds a sample: their factorisation
 ``setup.toml``        what is known of the camera
 ``views.csv``         views of a target, in place of points and setup
-``lenses.npz``        fits, evidences and views left out of lenses over many views
 ``camera.npz``        the calibrated camera (bayescal.prediction), where the result is of one
 ``derived.npz``         what else took long (bayescal.encoding), for `open_run` alone
 ``draws/NAME.nc``     draws of one model, such as ``r-order-4``, as NetCDF that ArviZ opens
@@ -37,7 +36,7 @@ from bayescal.version import __version__
 
 # Rises when an older version could no longer read what a newer one writes.
 FORMAT = 1
-POINTS, SETUP, VIEWS, LENSES = "points.csv", "setup.toml", "views.csv", "lenses.npz"
+POINTS, SETUP, VIEWS = "points.csv", "setup.toml", "views.csv"
 DERIVED, DRAWS = "derived.npz", "draws"
 MADE_OF = "made of"
 RUN = FolderKind(
@@ -49,7 +48,7 @@ RUN = FolderKind(
         REDUCTION,
         SETUP,
         VIEWS,
-        LENSES,
+        "lenses.npz",  # of 0.1
         CAMERA,
         COVARIANCE,
         DERIVED,

@@ -1,8 +1,8 @@
-"""What an unfinished run keeps: each sampled model as soon as it is done, so that it goes on.
+"""What an unfinished run keeps: what took long, as soon as it is done, so that it goes on.
 
 ``about.json``     what was asked for, of which points, by which versions
 ``NAME.nc``        draws of one model, as a run has them (NetCDF, that is HDF5)
-``NAME.npz``       what else took long
+``NAME.npz``       what else took long, such as a lens's fit, or its evidence
 """
 
 from __future__ import annotations
@@ -23,7 +23,10 @@ from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.stored import packed, unpacked
 from bayescal.linear.model import LinearModel
 from bayescal.points.correspondences import Correspondences
+from bayescal.points.views.views import Views
+from bayescal.points.views.writer import views_to_csv
 from bayescal.report.document.shared import versions
+from bayescal.report.run.folder import digest
 
 if TYPE_CHECKING:
     from bayescal.comparison.store import Kept
@@ -41,16 +44,18 @@ class Unfinished(Store):
     ----------
     folder : Path
         What it holds of another request, other points or other versions is removed.
+    of : Correspondences or Views
+        What is analysed.
     request : Any
         What else was asked for.
     """
 
     def __init__(
-        self, folder: Path, points: Correspondences, settings: Settings, request: object
+        self, folder: Path, of: Correspondences | Views, settings: Settings, request: object
     ) -> None:
         super().__init__()
         self.folder = folder
-        facts = [asdict(settings), repr(request), points.sha256, repr(points.setup), versions()]
+        facts = [asdict(settings), repr(request), *_identity(of), versions()]
         self._about = json.dumps(facts).encode()
         if self._raw(ABOUT) not in (None, self._about):
             clear(folder)
@@ -85,9 +90,16 @@ class Unfinished(Store):
         write_whole(self.folder / name, raw, force=True)
 
 
+def _identity(of: Correspondences | Views) -> tuple[str, str]:
+    """Tell points from others, or views."""
+    if isinstance(of, Views):  # some of a file's may be left out
+        return digest(views_to_csv(of).encode()), ""
+    return of.sha256, repr(of.setup)
+
+
 def kept_in(folder: Path) -> int:
-    """Count the models that an unfinished run kept."""
-    return len(list(folder.glob("*.nc")))
+    """Count what an unfinished run kept."""
+    return sum(len(list(folder.glob(kind))) for kind in ("*.nc", "*.npz"))
 
 
 def clear(folder: Path) -> None:
