@@ -31,7 +31,6 @@ OF_POINTS = (
     *("prior", "tau", "tolerance", "noise", "nu", "bad_offset"),
 )
 OF_VIEWS = ("lens", "independent", "square_pixels", "centred", "board", "square", "only")
-INTERRUPTED = 130
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -87,8 +86,8 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.fleets.listed import listed
 
     cameras = {camera.name: camera for camera in listed(options.cameras)}
-    with shared.Progress(options, len(cameras), "judging") as progress:
-        try:
+    try:
+        with shared.Progress(options, len(cameras), "judging") as progress:
             found = fleet(
                 cameras,
                 views=options.calibrate,
@@ -102,13 +101,10 @@ def run(options: argparse.Namespace) -> int:
                 command=options.command_line,
                 **(_lens_settings(options) if options.calibrate else _settings(options)),
             )
-        except KeyboardInterrupt:
-            print(
-                f"bayescal: interrupted; what is done is kept in {options.out}; the same command "
-                "goes on",
-                file=sys.stderr,
-            )
-            return INTERRUPTED
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"interrupted; what is done is kept in {options.out}; the same command goes on"
+        ) from None
     _publish(options, found)
     return _code(found)
 
@@ -153,7 +149,7 @@ def _read(options: argparse.Namespace, camera: Listed) -> Any:
     own = {"points": camera.file, "views": camera.file, "world": None, "pixels": None}
     setup = options.setup if camera.setup is None else camera.setup
     given = argparse.Namespace(**{**vars(options), **own, "setup": setup})
-    return view_options.views(given) if options.calibrate else shared.points(given)
+    return view_options.read(given) if options.calibrate else shared.points(given)
 
 
 def _publish(options: argparse.Namespace, found: Fleet) -> None:

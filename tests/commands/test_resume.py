@@ -67,7 +67,7 @@ def test_a_stopped_run_goes_on(how: signal.Signals, whole: Path, tmp_path: Path)
         said = process.communicate()[1]
     assert process.returncode == (130 if how == signal.SIGINT else -signal.SIGKILL)
     if how == signal.SIGINT:
-        assert "of the run: give the same command again to go on" in said
+        assert ": run the same command again to go on" in said
     assert not run.exists()
     finished = set(kept.glob("*.nc")) | set(kept.glob("*.npz"))
     assert len(list(kept.glob(first))) in (1, 2)  # the last may be done before the signal comes
@@ -87,7 +87,7 @@ def test_a_stopped_run_goes_on(how: signal.Signals, whole: Path, tmp_path: Path)
         patch.setattr(unfinished, "write_whole", noted)
         done = here(*asked, "--quiet", "--out", run)
     assert done.code == 0
-    assert "holds parts of an interrupted run" in done.err
+    assert "holds models of an interrupted run" in done.err
     assert finished <= set(taken)
     assert made
     assert not finished & set(made)  # nothing is computed twice

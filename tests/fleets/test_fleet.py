@@ -6,6 +6,7 @@ import json
 import signal
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -118,6 +119,36 @@ def test_the_command(cluster, files, monkeypatch):
     third = here(*command, "--json", "-")
     assert third.code == 0
     assert json.loads(third.out)["data"]["n_cameras"] == 4
+
+
+def test_the_command_over_views(cluster, monkeypatch, tmp_path):
+    """Truth: the same lens by itself; interrupted, what is done is kept."""
+    monkeypatch.chdir(tmp_path)
+    bc.save_views(bc.chessboard(), "bundled.csv")
+    Path("bad.csv").write_text("view,x,y,z,r,c\n1,0,0,0,x,1\n")
+    options = ("--calibrate", "--lens", "radial 1", "--independent", "--ess", "100")
+    command = ["fleet", "*.csv", *options, "--out", "out", "--scheduler", cluster.address]
+
+    def pressed(_, name):
+        if name == "bundled":
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("bayescal.commands.shared.progress.Progress.named", pressed)
+        stopped = here(*command)
+    assert (stopped.code, stopped.out) == (130, "")
+    said = "bayescal: interrupted; what is done is kept in out; the same command goes on\n"
+    assert stopped.err == said
+    found = here(*command)
+    assert found.code == 3
+    assert "2 cameras: 1 judged (1 of them before), 0 odd, 1 failed" in found.out
+    assert "bad: bad.csv:2" in found.out
+    kept = json.loads(Path("out/fleet.json").read_text())
+    (camera,) = (c for c in kept["cameras"] if c["camera"] == "bundled")
+    seed = camera["seed"]
+    alone = bc.calibrate("bundled.csv", lenses=["radial 1"], independent=True, seed=seed, ess=100)
+    (choice,) = Record.of_lenses(alone).choices
+    assert camera["lens_k1"] == choice.parameters["radial 1"]["k1"].value
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ def resumable(options: argparse.Namespace) -> Iterator[Path | None]:
     Raises
     ------
     KeyboardInterrupt
-        With what is said of an interruption, where something is kept.
+        With what is said of an interruption, where models are kept.
     """
     if options.out is None:
         yield None
@@ -29,7 +29,7 @@ def resumable(options: argparse.Namespace) -> Iterator[Path | None]:
     out = Path(options.out)
     folder = out.with_name(f"{out.name}.unfinished")
     if kept_in(folder):
-        told = "holds parts of an interrupted run: those of the same request are taken from it"
+        told = "holds models of an interrupted run: those of the same request are taken from it"
         print(f"bayescal: {folder} {told}", file=sys.stderr)
     try:
         yield folder
@@ -39,8 +39,8 @@ def resumable(options: argparse.Namespace) -> Iterator[Path | None]:
             clear(folder)
             raise
         raise KeyboardInterrupt(
-            f"interrupted; {folder} keeps {counted(count, 'part')} of the run: give the same "
-            "command again to go on"
+            f"interrupted; {folder} keeps {counted(count, 'model')}: run the same command again to "
+            "go on"
         ) from None
     except BayescalError:
         if not kept_in(folder):

@@ -49,14 +49,19 @@ def add_board(given: argparse._ArgumentGroup) -> None:
 
 
 def views(options: argparse.Namespace) -> Views:
-    """Read the views that the options name."""
+    """Read the views that the options name, without those that are left out."""
+    return read(options).without(*options.without)
+
+
+def read(options: argparse.Namespace) -> Views:
+    """Read all views that the options name."""
     from bayescal.points.bundled import chessboard
     from bayescal.points.views.reader import load_views
 
     if options.views is None:
         refuse_said(options)
-        return chessboard().without(*options.without)
-    found = load_views(
+        return chessboard()
+    return load_views(
         options.views,
         board=options.board,
         square=options.square,
@@ -66,7 +71,6 @@ def views(options: argparse.Namespace) -> Views:
         width=options.image_width,
         height=options.image_height,
     )
-    return found.without(*options.without)
 
 
 def refuse_said(options: argparse.Namespace) -> None:

@@ -98,8 +98,9 @@ def _identity(of: Correspondences | Views) -> tuple[str, str]:
 
 
 def kept_in(folder: Path) -> int:
-    """Count what an unfinished run kept."""
-    return sum(len(list(folder.glob(kind))) for kind in ("*.nc", "*.npz"))
+    """Count the models that an unfinished run kept: sampled ones, and lenses that are judged."""
+    kept = [place.stem for kind in ("*.nc", "* evidence.npz") for place in folder.glob(kind)]
+    return len({name.removesuffix(" evidence") for name in kept})
 
 
 def clear(folder: Path) -> None:
