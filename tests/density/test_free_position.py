@@ -12,8 +12,8 @@ import bayescal as bc
 from bayescal.comparison.families.models import free_model, joint_data, linear_axes, moving_axes
 from bayescal.comparison.settings import Settings
 from bayescal.density.position_search import best_position, climb, linearised, position_mode
-from bayescal.inference.proposals.adaptation import effective_fraction
 from bayescal.inference.proposals.laplace_mixture import mixture_about
+from bayescal.inference.proposals.tempering import effective_fraction
 from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.inference.weighting import weigh
 from bayescal.linear.closed_form import exact_posterior

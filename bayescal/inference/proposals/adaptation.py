@@ -13,30 +13,24 @@ vary least.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
-from scipy.special import logsumexp, softmax
+from scipy.special import logsumexp
 
 from bayescal.arrays import Array
 from bayescal.inference.optimum import LogDensity, Mode
+from bayescal.inference.proposals.anchors import DOF, INFLATED, Anchors
 from bayescal.inference.proposals.t_mixture import TMixture, cholesky
+from bayescal.inference.proposals.tempering import effective_fraction, moments, tempered
 from bayescal.inference.weighting import resampled
 
 ROUNDS = 12
 DRAWS = 2000  # of each round
-COMPONENTS = 9
 MORE = 3  # components added when the proposal is refined
-DOF, BROAD_DOF = 8.0, 3.0  # while adapting; the final tails are chosen
 TAILS = (4.0, 8.0, 16.0, 32.0)
-INFLATED = 1.5  # first guess over the Laplace approximation, in deviations
-BROAD = 3.0  # the defensive component over all draws, in deviations
-DEFENSIVE = 0.03
-HELD = 0.02  # by the modes
-# With a ladder: held by its rungs, and components. Where a tau that reaches down to a hundredth of
-# a pixel makes a spike, the effective fraction rises from 0.24 to 0.46 on the thesis data.
-LADDER_HELD, LADDER_COMPONENTS = 0.2, 18
-EFFECTIVE = 0.1  # share of draws that tempering keeps effective
 STEPS = 8
 REFINED = 10_000  # draws of a chain that a proposal is fitted to, at most
 FLOOR = 0.02
@@ -71,22 +65,6 @@ class Adapted:
     covariance: Array
 
 
-@dataclass(frozen=True, eq=False)
-class _Anchors:
-    """What stays in a proposal whatever the draws say, and how many components it has."""
-
-    modes: tuple[Mode, ...]
-    held: float
-    components: int
-
-    @classmethod
-    def of(cls, modes: tuple[Mode, ...], ladder: tuple[Mode, ...]) -> _Anchors:
-        """Hold the modes where there are several, and the rungs of a ladder."""
-        if ladder:
-            return cls((*modes, *ladder), LADDER_HELD, LADDER_COMPONENTS)
-        return cls(modes, HELD * (len(modes) > 1), COMPONENTS)
-
-
 def adapt(
     log_density: LogDensity,
     modes: tuple[Mode, ...],
@@ -104,9 +82,9 @@ def adapt(
     ladder : tuple of Mode, optional
         Normals that fit the density at fixed values of what was integrated out.
     """
-    anchors = _Anchors.of(modes, ladder)
-    narrow = _laplace(anchors.modes)
-    proposal = _defended(narrow, modes[0].theta, INFLATED * modes[0].root, anchors)
+    anchors = Anchors.of(modes, ladder)
+    narrow = anchors.laplace
+    proposal = anchors.defended(narrow, modes[0].theta, INFLATED * modes[0].root)
     proposals: list[TMixture] = []
     everything, log_p, log_q = np.empty((0, len(modes[0].theta))), np.empty(0), np.empty(0)
     before, volume = 0.0, -np.inf
@@ -120,13 +98,13 @@ def adapt(
         everything = np.concatenate([everything, theta])
         log_p, log_q = np.concatenate([log_p, fresh]), np.concatenate([log_q, now])
         log_w = log_p - log_q
-        weights, cold = _tempered(log_w)
-        mean, covariance = _moments(everything, weights)
+        weights, cold = tempered(log_w)
+        mean, covariance = moments(everything, weights)
         root = cholesky(covariance)
         if number == 0:
-            narrow = _with_more(narrow, everything, weights, root, anchors.components, rng)
+            narrow = anchors.with_more(narrow, everything, weights, root, rng)
         narrow = narrow.refitted(everything, weights, STEPS, FLOOR)
-        proposal = _defended(narrow, mean, root, anchors)
+        proposal = anchors.defended(narrow, mean, root)
         fraction = effective_fraction(fresh - own)
         # Weights alone look well where the proposal is too narrow: its volume must settle too.
         grown = abs(float(np.log(np.diag(root)).sum()) - volume) / len(mean)
@@ -137,12 +115,14 @@ def adapt(
         volume = float(np.log(np.diag(root)).sum())
     if fraction < EVEN:
         return _finely(log_density, proposal, anchors, rng)
-    best = _best_tails(narrow, everything, weights, log_p, (mean, root, anchors))
+    best = _best_tails(
+        narrow, everything, weights, log_p, partial(anchors.defended, mean=mean, root=root)
+    )
     return Adapted(best, mean, covariance)
 
 
 def _finely(
-    log_density: LogDensity, proposal: TMixture, anchors: _Anchors, rng: np.random.Generator
+    log_density: LogDensity, proposal: TMixture, anchors: Anchors, rng: np.random.Generator
 ) -> Adapted:
     """Fit a mixture anew to as many weighted draws of a proposal as its parameters need.
 
@@ -153,7 +133,7 @@ def _finely(
     wanted = PER_PARAMETER * components * (size + 1) * (size + 2) // 2
     for _ in range(FINE_ROUNDS):
         theta, log_p, weights = _effective_draws(log_density, proposal, wanted, rng)
-        mean, covariance = _moments(theta, weights)
+        mean, covariance = moments(theta, weights)
         root = cholesky(covariance)
         picked, counts = np.unique(resampled(weights, wanted, rng), return_counts=True)
         theta, log_p, weights = theta[picked], log_p[picked], counts / wanted
@@ -164,8 +144,10 @@ def _finely(
             np.repeat(NARROWED * root[None], components, axis=0),
             np.full(components, FINE_DOF),
         ).refitted(theta, weights, FINE_STEPS, FLOOR)
-        proposal = _defended(narrow, mean, root, anchors)
-    best = _best_tails(narrow, theta, weights, log_p, (mean, root, anchors))
+        proposal = anchors.defended(narrow, mean, root)
+    best = _best_tails(
+        narrow, theta, weights, log_p, partial(anchors.defended, mean=mean, root=root)
+    )
     return Adapted(best, mean, covariance)
 
 
@@ -179,7 +161,7 @@ def _effective_draws(
         log_fresh = log_density(fresh)
         theta, log_p = np.concatenate([theta, fresh]), np.concatenate([log_p, log_fresh])
         log_w = np.concatenate([log_w, log_fresh - proposal.log_density(fresh)])
-        weights, _ = _tempered(log_w)
+        weights, _ = tempered(log_w)
         if 1 / (weights @ weights) > wanted:
             break
     return theta, log_p, weights
@@ -211,7 +193,7 @@ def refine(
     theta, log_p = (values[::step] for values in chain)
     old = adapted.proposal
     weights = np.full(len(theta), 1 / len(theta))
-    mean, covariance = _moments(theta, weights)
+    mean, covariance = moments(theta, weights)
     root = cholesky(covariance)
     # Spread over the thinnest hundredth of the draws, which lie close together.
     thin = np.argsort(old.log_density(theta) - log_p, kind="stable")
@@ -223,8 +205,8 @@ def refine(
         np.concatenate([old.roots[:-1], np.repeat(root[None], MORE, axis=0)]),
         np.full(len(shares), DOF),
     ).refitted(theta, weights, 3 * STEPS, FLOOR)
-    anchors = _Anchors.of(modes, ladder)
-    return _finely(log_density, _defended(narrow, mean, root, anchors), anchors, rng)
+    anchors = Anchors.of(modes, ladder)
+    return _finely(log_density, anchors.defended(narrow, mean, root), anchors, rng)
 
 
 def _best_tails(
@@ -232,7 +214,7 @@ def _best_tails(
     theta: Array,
     weights: Array,
     log_density: Array,
-    defence: tuple[Array, Array, _Anchors],
+    defended: Callable[[TMixture], TMixture],
 ) -> TMixture:
     """Give the narrow components the degrees of freedom whose weights vary least.
 
@@ -242,79 +224,8 @@ def _best_tails(
     found = []
     for dof in TAILS:
         tailed = replace(narrow, dof=np.full(len(narrow.weights), dof))
-        candidate = _defended(tailed.refitted(theta, weights, STEPS, FLOOR), *defence)
+        candidate = defended(tailed.refitted(theta, weights, STEPS, FLOOR))
         with np.errstate(divide="ignore"):
             log_terms = np.log(weights) + log_density - candidate.log_density(theta)
         found.append((float(logsumexp(log_terms)), candidate))
     return min(found, key=lambda pair: pair[0])[1]
-
-
-def _defended(narrow: TMixture, mean: Array, root: Array, anchors: _Anchors) -> TMixture:
-    """Add what stays whatever the draws say: the anchors, and a broad component.
-
-    A mode of a hundredth of the mass is soon lost by the draws, and then a single draw there
-    may weigh as much as a quarter of all.
-    """
-    kept, held = _laplace(anchors.modes), anchors.held
-    return TMixture(
-        np.concatenate([(1 - held - DEFENSIVE) * narrow.weights, held * kept.weights, [DEFENSIVE]]),
-        np.concatenate([narrow.means, kept.means, mean[None]]),
-        np.concatenate([narrow.roots, kept.roots, BROAD * root[None]]),
-        np.concatenate([narrow.dof, kept.dof, [BROAD_DOF]]),
-    )
-
-
-def effective_fraction(log_w: Array) -> float:
-    """(sum w)^2 / (n sum w^2)."""
-    top = float(log_w.max())
-    if not np.isfinite(top):
-        return 0.0
-    w = np.exp(log_w - top)
-    return float(w.sum() ** 2 / (w @ w) / len(w))
-
-
-def _tempered(log_w: Array) -> tuple[Array, bool]:
-    """Normalised weights, raised to the power at which enough are effective; then truncated."""
-    power, cold = 1.0, True
-    while effective_fraction(power * log_w) < EFFECTIVE and power > 1e-6:
-        power, cold = 0.7 * power, False
-    weights = np.asarray(softmax(power * log_w))
-    limit = weights.mean() * np.sqrt(len(weights))
-    weights = np.minimum(weights, limit)
-    return weights / weights.sum(), cold
-
-
-def _moments(theta: Array, weights: Array) -> tuple[Array, Array]:
-    mean = weights @ theta
-    offset = theta - mean
-    return mean, offset.T @ (weights[:, None] * offset)
-
-
-def _laplace(modes: tuple[Mode, ...]) -> TMixture:
-    """Laplace approximations, inflated; a mode's mass is only guessed."""
-    return TMixture(
-        np.asarray(softmax([m.log_mass / 4 for m in modes])),
-        np.array([m.theta for m in modes]),
-        np.array([INFLATED * m.root for m in modes]),
-        np.full(len(modes), DOF),
-    )
-
-
-def _with_more(
-    narrow: TMixture,
-    theta: Array,
-    weights: Array,
-    root: Array,
-    components: int,
-    rng: np.random.Generator,
-) -> TMixture:
-    """Add components about weighted draws, up to so many; all alike in share."""
-    more = max(components - len(narrow.weights), 0)
-    seeds = rng.choice(len(theta), more, p=weights)
-    n = len(narrow.weights) + more
-    return TMixture(
-        np.full(n, 1 / n),
-        np.concatenate([narrow.means, theta[seeds]]),
-        np.concatenate([narrow.roots, np.repeat(root[None], more, axis=0)]),
-        np.full(n, DOF),
-    )

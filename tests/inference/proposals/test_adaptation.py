@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from bayescal.inference.optimum import Mode
-from bayescal.inference.proposals.adaptation import adapt, effective_fraction
+from bayescal.inference.proposals.adaptation import adapt
+from bayescal.inference.proposals.tempering import effective_fraction
 from tests.helpers.known_densities import LOG_Z, Banana, HeavyTailed, Normal, Skewed
 
 
