@@ -9,6 +9,8 @@ the other.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from typing import Any
 
@@ -106,7 +108,7 @@ def unpack(draws: Draws, names: tuple[str, ...]) -> Chain:
         Where the draws are of other parameters, or something is missing.
     """
     values = draws.values
-    try:
+    with complaints():
         if tuple(values["names"]) != names:
             raise ValueError(f"holds {', '.join(values['names'])}, not {', '.join(names)}")
         posterior = draws.groups["posterior"]
@@ -119,37 +121,31 @@ def unpack(draws: Draws, names: tuple[str, ...]) -> Chain:
             values["autocorrelation_time"],
             values["converged"],
         )
-    except (KeyError, TypeError) as error:
-        raise ValueError(f"lacks {error}") from None
     if chain.draws.shape[:2] != chain.log_prob.shape or len(chain.diagnostics) != len(names):
         raise ValueError("holds arrays that don't fit together")
     return chain
 
 
 def unpack_sampled(draws: Draws, model: SampledModel) -> SampledPosterior:
-    """Undo `packed`, to the last bit.
-
-    Parameters
-    ----------
-    model : SampledModel
-        That the draws are of.
-
-    Raises
-    ------
-    ValueError
-        Where the draws are of other parameters, or something is missing.
-    """
+    """Undo `packed`, to the last bit."""
     chain = unpack(draws, model.names)
-    try:
+    with complaints():
         estimate = estimate_from(draws.values["estimate"])
         modes = tuple(
             Mode(np.array(m["theta"]), m["value"], np.array(m["root"]))
             for m in draws.values["modes"]
         )
         full = draws.groups["unconstrained_posterior"]["full"]
+    return SampledPosterior(chain, summarise(model.names, chain), model, full, estimate, modes)
+
+
+@contextmanager
+def complaints() -> Iterator[None]:
+    """Say, as a ValueError, what draws lack."""
+    try:
+        yield
     except (KeyError, TypeError) as error:
         raise ValueError(f"lacks {error}") from None
-    return SampledPosterior(chain, summarise(model.names, chain), model, full, estimate, modes)
 
 
 def estimate_from(kept: dict[str, Any]) -> EvidenceEstimate:
@@ -172,25 +168,12 @@ def pack_weighted(draws: WeightedDraws) -> Draws:
 
 
 def unpack_weighted(draws: Draws, model: SampledModel) -> WeightedDraws:
-    """Undo `pack_weighted`, to the last bit.
-
-    Parameters
-    ----------
-    model : SampledModel
-        That the draws are of.
-
-    Raises
-    ------
-    ValueError
-        Where the draws are of other parameters, or something is missing.
-    """
-    try:
+    """Undo `pack_weighted`, to the last bit."""
+    with complaints():
         if tuple(draws.values["names"]) != model.names:
             raise ValueError(f"holds other parameters than {', '.join(model.names)}")
         (full,) = draws.groups["unconstrained_posterior"]["full"]
         (log_weights,) = draws.groups["sample_stats"]["log_weights"]
-    except (KeyError, TypeError) as error:
-        raise ValueError(f"lacks {error}") from None
     if full.ndim != 2 or log_weights.shape != full.shape[:1]:
         raise ValueError("holds arrays that don't fit together")
     kept = draws.values.get("estimate")
