@@ -202,10 +202,10 @@ def needs_sigma(data: AxisData, what: str) -> InputError:
     )
 
 
-def check_exact_world(chosen: ChosenLevel, what: str) -> ChosenLevel:
-    """Refuse, for what has no such noise, a sigma inferred beside errors of the world."""
+def check_exact_world(chosen: ChosenLevel) -> ChosenLevel:
+    """Refuse, for joint models, a sigma inferred beside errors of the world."""
     if chosen.shape.name == WorldErrors.name:
-        raise needs_sigma(chosen.data, what)
+        raise needs_sigma(chosen.data, "a joint model")
     return chosen
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 import bayescal as bc
-from bayescal.comparison.families.models import noise_levels, robust_pinhole
+from bayescal.comparison.families.models import fitted_pinhole, noise_levels, robust_pinhole
 from bayescal.comparison.settings import Settings
 from bayescal.density.pinholes.robust import RobustPinhole
 from bayescal.inference.sampled_posterior import SampledPosterior, sample_model
@@ -45,9 +45,8 @@ def robust_model(points: Correspondences, order: int, noise: str) -> RobustPinho
     """Build a pinhole at a free position as `compare` does."""
     settings = Settings(noise=noise, ess=ESS)
     levels = noise_levels(points, settings, order)
-    model = robust_pinhole(points, order, "free", "even", levels.data, settings)
-    assert isinstance(model, RobustPinhole), "the noise is robust"
-    return model
+    fitted = fitted_pinhole(points, order, "free", "even", levels.data, settings)
+    return robust_pinhole(fitted, settings.choice.model(1.0))
 
 
 def with_gross_errors(points: Correspondences) -> Correspondences:

@@ -14,6 +14,7 @@ from bayescal.comparison.criteria.information import criteria
 from bayescal.comparison.families.models import (
     fitted_pinhole,
     free_model,
+    gaussian_pinhole,
     joint_criteria,
     joint_data,
 )
@@ -22,7 +23,6 @@ from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.results import Comparison
 from bayescal.comparison.settings import Settings
 from bayescal.density.joint_data import JointData
-from bayescal.density.pinholes.gaussian import GaussianPinhole
 from bayescal.density.pinholes.proposal import ladder
 from bayescal.density.position_search import position_mode
 from bayescal.errors import InputError
@@ -150,10 +150,10 @@ def _pinhole(
 
     No evidence, an average of the likelihood, exceeds the likelihood's maximum.
     """
-    geometry, prior, fit = fitted_pinhole(points, order, where, "even", data, settings)
-    if fit.log_likelihood < needed:
+    fitted = fitted_pinhole(points, order, where, "even", data, settings)
+    if fitted.fit.log_likelihood < needed:
         return []
-    model = GaussianPinhole.of(geometry, prior, data, fit)
+    model = gaussian_pinhole(fitted)
     mass = float(logsumexp(ladder(model)[1]))
     count = model.geometry.dimension + sum(data.inferred)
     bic = joint_criteria(data, model.fit.rss, count).bic

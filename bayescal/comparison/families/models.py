@@ -36,6 +36,7 @@ from bayescal.errors import InputError
 from bayescal.linear.least_squares import only_rounding
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
+from bayescal.noise.model import NoiseModel
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials import bivariate, separable
@@ -75,7 +76,7 @@ def linear_axes(
         other = separable.axis_data(points, "c" if axis == "r" else "r").x
         own = separable.axis_data(points, axis)
         chosen = noise_level(own, settings, other, min(highest, 5))
-        chosen = check_exact_world(chosen, "a joint model")
+        chosen = check_exact_world(chosen)
         stated = points.setup.priors.get(axis) if family == separable.NAME else None
         rule, data = prior_rule(data, settings, stated), replace(data, sd=chosen.data.sd)
         out.append(Axis(data, chosen.level, chosen.words, rule, family, highest))
@@ -91,7 +92,7 @@ def noise_levels(points: Correspondences, settings: Settings, highest: int) -> N
             own = separable.axis_data(points, axis)
             other = separable.axis_data(points, AXES[1 - i]).x
             chosen = noise_level(own, settings, other, min(highest, 5))
-            usable, level, text, _ = check_exact_world(chosen, "a joint model")
+            usable, level, text, _ = check_exact_world(chosen)
             sd = usable.sd
         except InputError:
             if points.world_sigma() is not None or settings.sigma in ("replicates", "scale"):
@@ -193,35 +194,25 @@ def linear_residuals(
     return np.stack(out)
 
 
-def gaussian_pinhole(
-    points: Correspondences,
-    order: int,
-    position: str,
-    radial: Radial,
-    data: JointData,
-    settings: Settings,
-    once: Once = now,
-) -> GaussianPinhole:
-    """Build and fit a pinhole of one order."""
-    geometry, prior, fit = fitted_pinhole(points, order, position, radial, data, settings, once)
-    frame = once("frame", Normal, partial(GaussianPinhole.frame_of, geometry, prior, data, fit))
-    return GaussianPinhole(geometry, prior, data, fit, frame, GAUSSIAN)
+class FittedPinhole(NamedTuple):
+    """A pinhole of one order, fitted: what each model of it begins with."""
+
+    geometry: PinholeGeometry
+    prior: PinholePrior
+    data: JointData
+    fit: PinholeFit
 
 
-def robust_pinhole(
-    points: Correspondences,
-    order: int,
-    position: str,
-    radial: Radial,
-    data: JointData,
-    settings: Settings,
-    once: Once = now,
-) -> RobustPinhole:
-    """Build and fit a pinhole of one order under noise without a closed form."""
-    geometry, prior, fit = fitted_pinhole(points, order, position, radial, data, settings, once)
-    noise = settings.choice.model(1.0)
-    framed = once("frame", Framed, partial(RobustPinhole.framed, geometry, prior, data, fit, noise))
-    return RobustPinhole(geometry, prior, data, fit, framed.frame, noise, framed.fits)
+def gaussian_pinhole(fitted: FittedPinhole, once: Once = now) -> GaussianPinhole:
+    """Build a fitted pinhole's model."""
+    frame = once("frame", Normal, partial(GaussianPinhole.frame_of, *fitted))
+    return GaussianPinhole(*fitted, frame, GAUSSIAN)
+
+
+def robust_pinhole(fitted: FittedPinhole, noise: NoiseModel, once: Once = now) -> RobustPinhole:
+    """Build a fitted pinhole's model under noise without a closed form."""
+    framed = once("frame", Framed, partial(RobustPinhole.framed, *fitted, noise))
+    return RobustPinhole(*fitted, framed.frame, noise, framed.fits)
 
 
 def fitted_pinhole(
@@ -232,8 +223,8 @@ def fitted_pinhole(
     data: JointData,
     settings: Settings,
     once: Once = now,
-) -> tuple[PinholeGeometry, PinholePrior, PinholeFit]:
-    """Fit a pinhole of one order: its coordinates, prior and maximum likelihood."""
+) -> FittedPinhole:
+    """Fit a pinhole of one order."""
     prior = pinhole_prior(points, settings.tau)
     fixed = frozen(points.setup.position) if position == STATED else None
     geometry = PinholeGeometry(
@@ -243,4 +234,4 @@ def fitted_pinhole(
     for axis, level, rss in zip(AXES, data.levels, fit.rss.tolist(), strict=True):
         check_resolved(f"{points.source}: axis {axis}", level, rss, data.n, order)
     geometry, fit = suited(geometry, prior.position, fit)
-    return geometry, prior, fit
+    return FittedPinhole(geometry, prior, data, fit)

@@ -60,19 +60,6 @@ class RobustPinhole(PinholeModel):
     fits: tuple[RobustFit, ...]
 
     @classmethod
-    def of(
-        cls,
-        geometry: PinholeGeometry,
-        prior: PinholePrior,
-        data: JointData,
-        fit: PinholeFit,
-        noise: NoiseModel,
-    ) -> RobustPinhole:
-        """Find the robust fits, and whiten about the most probable one."""
-        found = cls.framed(geometry, prior, data, fit, noise)
-        return cls(geometry, prior, data, fit, found.frame, noise, found.fits)
-
-    @classmethod
     def framed(
         cls,
         geometry: PinholeGeometry,

@@ -16,7 +16,7 @@ from bayescal.comparison.adequacy.problem import Problem
 from bayescal.comparison.adequacy.surface import surface
 from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.linearised import of_pinhole
-from bayescal.comparison.families.models import gaussian_pinhole, noise_levels
+from bayescal.comparison.families.models import fitted_pinhole, gaussian_pinhole, noise_levels
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.residuals import residual_tests
 from bayescal.comparison.settings import Settings
@@ -100,7 +100,8 @@ def block_of(points):
     settings = Settings(defend=False)
     data = noise_levels(points, settings, 1).data
     return residual_tests(
-        points, of_pinhole(gaussian_pinhole(points, 1, "free", "even", data, settings))
+        points,
+        of_pinhole(gaussian_pinhole(fitted_pinhole(points, 1, "free", "even", data, settings))),
     )
 
 
@@ -165,7 +166,7 @@ def test_intervals_by_groups_cover_where_planes_share_errors():
         seen = pixels(true, **TURNED) + rng.normal(0, 0.06, (len(world), 2))
         points = bc.Correspondences.from_arrays(world, seen, setup=setup)
         data = noise_levels(points, settings, 1).data
-        model = gaussian_pinhole(points, 1, "free", "even", data, settings)
+        model = gaussian_pinhole(fitted_pinhole(points, 1, "free", "even", data, settings))
         found = of_pinhole(model)
         spread = found.spread_over(groups_of(points).members)
         plain = np.sqrt(found.reported[0] @ model.fit.covariance @ found.reported[0])

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.families.models import gaussian_pinhole, noise_levels, robust_pinhole
+from bayescal.comparison.families.models import (
+    fitted_pinhole,
+    gaussian_pinhole,
+    noise_levels,
+    robust_pinhole,
+)
 from bayescal.comparison.settings import Settings
 from bayescal.density.pinholes.coordinates import suited
 from bayescal.density.pinholes.fit import fit_pinhole
@@ -24,8 +29,10 @@ def stated_to(sd):
 def model_of(points, order, position="free", noise="gaussian"):
     settings = Settings(defend=False, noise=noise)
     levels = noise_levels(points, settings, 1)
-    make = gaussian_pinhole if noise == "gaussian" else robust_pinhole
-    return make(points, order, position, "even", levels.data, settings)
+    fitted = fitted_pinhole(points, order, position, "even", levels.data, settings)
+    if noise == "gaussian":
+        return gaussian_pinhole(fitted)
+    return robust_pinhole(fitted, settings.choice.model(1.0))
 
 
 def evidence(model, seed=0):

@@ -9,10 +9,10 @@ import pytest
 from scipy import stats
 
 import bayescal as bc
+from bayescal.comparison.families.models import FittedPinhole, robust_pinhole
 from bayescal.density.pinholes.fit import fit_pinhole
 from bayescal.density.pinholes.gaussian import GaussianPinhole
 from bayescal.density.pinholes.laplace import linear_pixels
-from bayescal.density.pinholes.robust import RobustPinhole
 from bayescal.inference.optimum import find_modes
 from bayescal.inference.sampled_posterior import sample_model
 from bayescal.noise.level import NoiseLevel
@@ -24,7 +24,7 @@ from tests.helpers.cameras import TURNED, problem, turned_points
 
 def fitted(points, order, **options):
     geometry, prior, data = problem(points, order, **options)
-    return geometry, prior, data, fit_pinhole(points, geometry, prior, data)
+    return FittedPinhole(geometry, prior, data, fit_pinhole(points, geometry, prior, data))
 
 
 def affine(made, probit):
@@ -63,7 +63,7 @@ def test_density_averaged_over_tau_is_that_with_tau_integrated_out():
     noise = StudentT(4.0)
     known = (NoiseLevel.known(3.0), NoiseLevel.known(2.0))
     geometry, prior, data, fit = fitted(bc.thesis(), 2, levels=known)
-    made = RobustPinhole.of(geometry, prior, data, fit, noise)
+    made = robust_pinhole(FittedPinhole(geometry, prior, data, fit), noise)
     rng = np.random.default_rng(0)
     probits = np.linspace(-7, 7, 1401)
     for _ in range(3):
@@ -88,7 +88,7 @@ def test_density_averaged_over_tau_is_that_with_tau_integrated_out():
 @pytest.mark.parametrize("probit", [-3.0, 0.0, 2.0])
 def test_tau_moves_and_narrows_the_frame_as_its_prior_does(probit):
     """The frame is normal: with another tau's prior it is the product of the two, by inverses."""
-    made = RobustPinhole.of(*fitted(bc.thesis(), 2), StudentT())
+    made = robust_pinhole(fitted(bc.thesis(), 2), StudentT())
     matrix, offset, log_volume = affine(made, probit)
     assert log_volume == pytest.approx(np.linalg.slogdet(matrix)[1], abs=1e-9)
     theta = np.zeros((1, made.dimension))
@@ -107,7 +107,7 @@ def test_student_t_noise_of_many_degrees_is_gaussian():
     """nu fixed at 1e8: the same density, per unit of the camera's coordinates."""
     levels = (NoiseLevel.known(3.0), NoiseLevel.known(3.5))
     parts = fitted(bc.thesis(), 0, levels=levels)
-    plain, heavy = GaussianPinhole.of(*parts), RobustPinhole.of(*parts, StudentT(1e8))
+    plain, heavy = GaussianPinhole.of(*parts), robust_pinhole(parts, StudentT(1e8))
     x = np.random.default_rng(0).normal(0, 1, (5, plain.dimension))
     free = plain.frame.mean + x @ plain.frame.root.T
     other = np.linalg.solve(heavy.frame.root, (free - heavy.frame.mean).T).T
@@ -117,7 +117,7 @@ def test_student_t_noise_of_many_degrees_is_gaussian():
 
 
 def test_two_cameras_that_half_of_the_points_follow_are_both_modes():
-    made = RobustPinhole.of(*fitted(two_cameras(16.0), 0, fixed=True), OutlierMixture())
+    made = robust_pinhole(fitted(two_cameras(16.0), 0, fixed=True), OutlierMixture())
     modes = find_modes(made.log_prob, made.starts())[:2]
     # The anchor is the pixel of the points' centroid; the cameras' differ by the shift.
     anchor = made.coordinates(np.array([mode.theta for mode in modes]))[:, 7]

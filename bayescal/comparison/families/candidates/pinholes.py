@@ -13,7 +13,7 @@ from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.criteria.psis import Without
 from bayescal.comparison.families.candidates.joint import Likelihood, judged_by
 from bayescal.comparison.families.linearised import Linearised, of_pinhole
-from bayescal.comparison.families.models import gaussian_pinhole, robust_pinhole
+from bayescal.comparison.families.models import fitted_pinhole, gaussian_pinhole, robust_pinhole
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.key import PINHOLE, Key
@@ -131,9 +131,11 @@ def pinholes(
     out: list[PinholeCandidate] = []
     for k in request.radial_orders:
         key = Key(PINHOLE, (k,), position, settings.noise)
-        of = points, k, position, request.radial, data, settings, store.once_of(key)
+        once = store.once_of(key)
+        fitted = fitted_pinhole(points, k, position, request.radial, data, settings, once)
         if settings.choice.robust:
-            out.append(PinholeCandidate(key, robust_pinhole(*of)))
+            model = robust_pinhole(fitted, settings.choice.model(1.0), once)
+            out.append(PinholeCandidate(key, model))
         else:
-            out.append(GaussianPinholeCandidate(key, gaussian_pinhole(*of)))
+            out.append(GaussianPinholeCandidate(key, gaussian_pinhole(fitted, once)))
     return out
