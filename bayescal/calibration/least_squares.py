@@ -11,8 +11,8 @@ from bayescal.arrays import Array
 from bayescal.calibration.error_model import INDEPENDENT
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
-from bayescal.calibration.reduction import eliminate, pose_response, reduce
-from bayescal.calibration.stacking import Poses, Stacked, residuals, stacked
+from bayescal.calibration.reduction import reduce
+from bayescal.calibration.stacking import Poses, Stacked, stacked
 
 MOST_STEPS = 200
 SETTLED = 1e-13  # relative fall of the sum of squares
@@ -42,21 +42,15 @@ def rms(data: Observations, sum_of_squares: float) -> float:
     return math.sqrt(sum_of_squares / data.n_points)
 
 
-def cost(model: LensModel, data: Observations, x: Array, poses: Poses) -> float:
+def cost(stack: Stacked) -> float:
     """Sum of squared weighted residuals; infinite where a point can't be seen."""
-    misfit, possible = residuals(model, data, x, poses)
     with np.errstate(over="ignore"):
-        total = float((misfit**2).sum())
-    return total if possible and math.isfinite(total) else math.inf
+        total = float((stack.residuals**2).sum())
+    return total if stack.possible and math.isfinite(total) else math.inf
 
 
 def least_squares(
-    model: LensModel,
-    data: Observations,
-    x: Array,
-    poses: Poses,
-    most_steps: int = MOST_STEPS,
-    prior_precision: Array | None = None,
+    model: LensModel, data: Observations, x: Array, poses: Poses, most_steps: int = MOST_STEPS
 ) -> Fit:
     """Climb down from a lens and poses.
 
@@ -64,63 +58,48 @@ def least_squares(
     ----------
     x : Array
         Where to start, ``(dimension,)``.
-    prior_precision : Array, optional
-        Of normal priors about the plain coordinates' means and 0, in units of the
-        residuals' variance, ``(dimension,)``; none by default.
 
     Returns
     -------
     Fit
         Marquardt 1963, J. SIAM 11, 431; the damping acts on poses and lens alike.
     """
-    pull = np.zeros(model.dimension) if prior_precision is None else prior_precision
-    mean = np.zeros(model.dimension)
-    mean[: model.n_plain] = model.plain_prior[0]
-
-    def merit(x: Array, poses: Poses) -> float:
-        return cost(model, data, x, poses) + float(pull @ (x - mean) ** 2)
-
-    value, damping, converged = merit(x, poses), FIRST_DAMPING, False
+    stack = stacked(model, data, x, poses)
+    value, damping, converged = cost(stack), FIRST_DAMPING, False
     if not math.isfinite(value):
         return Fit(x, poses, math.inf, False)
     for _ in range(most_steps):
-        stack = stacked(model, data, x, poses)
-        found = None
         while damping < MOST_DAMPING:
-            step, moves = _step(stack, data, damping, pull, mean - x)
+            step, moves = _step(stack, data, damping)
             trial = x + step, poses.moved(moves)
-            new = merit(*trial)
+            # Most trials are lower: the next step takes the derivatives found with the residuals.
+            found = stacked(model, data, *trial)
+            new = cost(found)
             if new <= value:
-                found = trial, new
                 break
             damping = max(10 * damping, 1e-9)
-        if found is None:
+        else:
             converged = True  # nothing nearby is lower
             break
-        (x, poses), gain = found[0], value - found[1]
-        value = found[1]
-        damping = max(damping / 10, LEAST_DAMPING)
+        (x, poses), stack, gain = trial, found, value - new
+        value, damping = new, max(damping / 10, LEAST_DAMPING)
         if gain <= SETTLED * value:
             converged = True
             break
-    return Fit(x, poses, cost(model, data, x, poses), converged)
+    return Fit(x, poses, value, converged)
 
 
-def _step(
-    stack: Stacked, data: Observations, damping: float, pull: Array, towards: Array
-) -> tuple[Array, Array]:
+def _step(stack: Stacked, data: Observations, damping: float) -> tuple[Array, Array]:
     views = reduce(stack, data, INDEPENDENT, offsets=False, damping=damping)
-    reduced = eliminate(views.sums, None)
-    precision = reduced.precision + np.diag(pull)
+    gram = views.gram.sum(axis=0)
+    precision, slope = gram[:-1, :-1], gram[:-1, -1]
     scale = 1 / np.sqrt(np.maximum(np.diag(precision), np.finfo(float).tiny))
     scaled = precision * scale * scale[:, None] + damping * np.eye(len(scale))
-    slope = (reduced.slope + pull * towards) * scale
     try:
-        step = scale * np.linalg.solve(scaled, slope)
+        step = scale * np.linalg.solve(scaled, slope * scale)
     except np.linalg.LinAlgError:
-        step = scale * np.linalg.lstsq(scaled, slope)[0]
-    response = pose_response(views, reduced, None)
-    return step, response[..., -1] - response[..., :-1] @ step
+        step = scale * np.linalg.lstsq(scaled, slope * scale)[0]
+    return step, views.pose_step[..., -1] - views.pose_step[..., :-1] @ step
 
 
 def carried(old: LensModel, x: Array, new: LensModel) -> Array:

@@ -41,6 +41,8 @@ class Views:
         ``(n_views, 6, 6)``.
     pose_cross : Array
         With x and e, ``(n_views, 6, d + 1)``.
+    pose_step : Array
+        What of those a pose takes by its step, the points of the target held, as `pose_cross`.
     pose_offset : Array
         With the target's points, ``(n_views, 6, 3 n_target)``.
     """
@@ -50,6 +52,7 @@ class Views:
     inner: Array
     pose_precision: Array
     pose_cross: Array
+    pose_step: Array
     pose_offset: Array
 
     @cached_property
@@ -124,14 +127,14 @@ def reduce(
     if not offsets:
         none = np.zeros((v, 0, d + 1))
         empty = np.zeros((0, 0))
-        return Views(rest, none, empty, precision, pose_cross, np.zeros((v, 6, 0)))
+        return Views(rest, none, empty, precision, pose_cross, solved, np.zeros((v, 6, 0)))
     # G' R^-1 [P, J, e]: each point of the target meets the places where it was seen.
     met = data.by_target(stack.by_target.swapaxes(2, 3) @ weighted).reshape(v, -1, d + 7)
     pose_offset = met[..., :6].swapaxes(1, 2)
     cross = met[..., 6:] - met[..., :6] @ solved
     whitened = (np.linalg.inv(np.linalg.cholesky(precision)) @ pose_offset).reshape(6 * v, -1)
     inner = _inner(stack, data, shared) - whitened.T @ whitened
-    return Views(rest, cross, inner, precision, pose_cross, pose_offset)
+    return Views(rest, cross, inner, precision, pose_cross, solved, pose_offset)
 
 
 def _across(one: Array, other: Array) -> Array:
@@ -261,7 +264,7 @@ def pose_response(views: Views, reduced: Reduced, root: Array | None) -> Array:
 
     The step of a pose is column -1 less the other columns times the step of x.
     """
-    coupled = views.pose_cross
-    if root is not None:
-        coupled = coupled - (views.pose_offset @ root) @ reduced.offset_step
+    if root is None:
+        return views.pose_step
+    coupled = views.pose_cross - (views.pose_offset @ root) @ reduced.offset_step
     return np.asarray(np.linalg.solve(views.pose_precision, coupled))

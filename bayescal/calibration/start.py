@@ -12,10 +12,10 @@ import math
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.least_squares import Fit, cost, least_squares
+from bayescal.calibration.least_squares import Fit, least_squares
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
-from bayescal.calibration.stacking import Poses
+from bayescal.calibration.stacking import Poses, residuals
 
 FOCAL_LENGTHS = np.geomspace(0.2, 5.0, 14)  # widths
 TRIED = 3  # focal lengths whose fits are followed to the end
@@ -30,8 +30,7 @@ def start_fit(model: LensModel, data: Observations) -> Fit:
     Fit
         The best of several starts; its sum of squares is infinite where none is possible.
     """
-    starts = [s for f in FOCAL_LENGTHS if (s := _start(model, data, f * data.size[0])) is not None]
-    starts.sort(key=lambda s: s.sum_of_squares)
+    starts = _starts(model, data)
     tried = [least_squares(model, data, s.x, s.poses, FEW_STEPS) for s in starts[:TRIED]]
     if not tried:
         return Fit(np.zeros(model.dimension), _nowhere(data), math.inf, False)
@@ -39,25 +38,28 @@ def start_fit(model: LensModel, data: Observations) -> Fit:
     return least_squares(model, data, best.x, best.poses)
 
 
-def _start(model: LensModel, data: Observations, focal: float) -> Fit | None:
-    """Poses for a focal length, px; None where pixels have no rays or points can't be seen."""
-    k = np.array(model.lens.start)
-    intrinsics = np.array([focal, focal, *model.middle])
-    plane = (data.pixels - model.middle) / focal
-    found = model.lens.undistort(plane.reshape(-1, 2), k)
-    if not found.found.reshape(data.seen.shape)[data.seen].all():
-        return None
-    rays = np.where(data.seen[..., None], found.rays.reshape(*data.seen.shape, 3), 0.0)
-    poses = poses_from_rays(data, rays)
-    x = model.coordinates(intrinsics, k)
-    total = cost(model, data, x, poses)
-    if not math.isfinite(total):
-        return None
-    return Fit(x, poses, total, False)
+def _starts(model: LensModel, data: Observations) -> list[Fit]:
+    """Poses for each focal length at which all points can be seen, the best first."""
+    focal, k = FOCAL_LENGTHS * data.size[0], np.array(model.lens.start)
+    plane = (data.pixels - model.middle) / focal[:, None, None, None]
+    undistorted = model.lens.undistort(plane.reshape(-1, 2), k)
+    possible = (undistorted.found.reshape(plane.shape[:-1]) | ~data.seen).all(axis=(1, 2))
+    rays = undistorted.rays.reshape(*plane.shape[:-1], 3)[possible]
+    poses = poses_from_rays(data, np.where(data.seen[..., None], rays, 0.0))
+    focal = focal[possible]
+    middle = np.broadcast_to(model.middle, (len(focal), 2))
+    x = model.coordinates(
+        np.column_stack([focal, focal, middle]), np.broadcast_to(k, (len(focal), len(k)))
+    )
+    misfit, seen = residuals(model, data, x, poses)
+    with np.errstate(over="ignore"):
+        totals = np.where(seen, (misfit**2).sum(axis=(1, 2, 3)), np.inf)
+    order = [i for i in np.argsort(totals, kind="stable") if math.isfinite(totals[i])]
+    return [Fit(x[i], poses.only_draw(i), float(totals[i]), False) for i in order]
 
 
 def poses_from_rays(data: Observations, rays: Array) -> Poses:
-    """Poses that take the target's points to rays, ``(n_views, n_places, 3)``; 0 where unseen."""
+    """Poses that take points to rays, ``(..., n_views, n_places, 3)``; 0 where unseen."""
     world = data.world
     ones = np.ones((*world.shape[:2], 1))
     known = np.concatenate([world[..., :2] if data.planar else world, ones], axis=-1)
@@ -66,26 +68,26 @@ def poses_from_rays(data: Observations, rays: Array) -> Poses:
     cross = np.stack(
         [np.stack(row, axis=-1) for row in ([zero, -z, y], [z, zero, -x], [-y, x, zero])], axis=-2
     )
-    rows = np.einsum("vnij,vnk->vnijk", cross, known)
-    n_views, n_places = x.shape
-    _, _, vt = np.linalg.svd(rows.reshape(n_views, 3 * n_places, -1), full_matrices=False)
-    h = vt[:, -1].reshape(n_views, 3, -1)
-    ahead = np.einsum("vni,vij,vnj->v", rays, h, known)
-    h = h * np.where(ahead < 0, -1.0, 1.0)[:, None, None]
+    rows = cross[..., None] * known[..., None, None, :]
+    rows = rows.reshape(*rays.shape[:-2], 3 * rays.shape[-2], -1)
+    # The eigenvector of the least eigenvalue is what a singular vector would be, far sooner.
+    h = np.linalg.eigh(rows.swapaxes(-1, -2) @ rows)[1][..., 0]
+    h = h.reshape(*h.shape[:-1], 3, -1)
+    ahead = (rays * (known @ h.swapaxes(-1, -2))).sum(axis=(-1, -2))
+    h = h * np.where(ahead < 0, -1.0, 1.0)[..., None, None]
     if data.planar:
-        size = np.linalg.norm(h[:, :, :2], axis=1).mean(axis=1)[:, None, None]
+        size = np.linalg.norm(h[..., :2], axis=-2).mean(axis=-1)[..., None, None]
         h = h / size
-        third = np.cross(h[:, :, 0], h[:, :, 1])
-        matrix, translation = np.concatenate([h[:, :, :2], third[..., None]], axis=2), h[:, :, 2]
+        third = np.cross(h[..., 0], h[..., 1])
+        matrix, translation = np.concatenate([h[..., :2], third[..., None]], axis=-1), h[..., 2]
     else:
-        determinant = np.linalg.det(h[:, :, :3])
-        size = np.cbrt(np.abs(determinant))[:, None, None]
+        determinant = np.linalg.det(h[..., :3])
+        size = np.cbrt(np.abs(determinant))[..., None, None]
         h = h / size
-        matrix, translation = h[:, :, :3], h[:, :, 3]
+        matrix, translation = h[..., :3], h[..., 3]
     u, _, vt = np.linalg.svd(matrix)
-    turn = u @ vt
-    flip = np.linalg.det(turn) < 0
-    u[flip, :, -1] *= -1
+    flip = np.linalg.det(u @ vt) < 0
+    u[..., -1] *= np.where(flip, -1.0, 1.0)[..., None]
     return Poses(u @ vt, translation)
 
 

@@ -94,7 +94,7 @@ def test_views_may_lack_points() -> None:
     np.testing.assert_allclose(fits[0].x, fits[1].x, rtol=1e-6, atol=1e-6)
     swapped = few.only(np.array([2, 0]))
     poses = fits[0].poses.only(np.array([2, 0]))
-    assert cost(model, swapped, fits[0].x, poses) < fits[0].sum_of_squares
+    assert cost(stacked(model, swapped, fits[0].x, poses)) < fits[0].sum_of_squares
 
 
 def test_no_start_is_found_where_there_is_none() -> None:
