@@ -105,6 +105,11 @@ class Problem:
         moves = self.response[..., -1] - np.einsum("vpd,...d->...vp", self.response[..., :-1], step)
         return self.poses.moved(moves)
 
+    def moved(self, step: Array | float) -> Problem:
+        """Linearise about another lens, ``(dimension,)``, the poses where they follow it."""
+        x = self.x + step
+        return replace(self, x=x, poses=self.poses_at(x))
+
     def log_prob(self, x: Array) -> Array:
         """Log likelihood times prior at lenses ``(n_draws, dimension)``; -inf where impossible."""
         return self.log_likelihood(x) + self.log_prior(x)

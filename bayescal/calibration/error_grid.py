@@ -152,7 +152,7 @@ def follow(
     Parameters
     ----------
     log_evidences : callable
-        Of nodes: those next to one are asked for together.
+        Of nodes: those next to all that are near the best are asked for together.
     kept : float, optional
         How far below the best a node may be for its neighbours to be looked at, nat.
     most : int, optional
@@ -169,12 +169,11 @@ def follow(
     done: set[Node] = set()
     while len(found) < most:
         best = max(found.values())
-        open_nodes = [n for n, v in found.items() if n not in done and v > best - kept]
-        if not open_nodes:
+        near = [n for n, v in found.items() if n not in done and v > best - kept]
+        if not near:
             break
-        node = max(open_nodes, key=lambda n: found[n])
-        done.add(node)
-        evaluate(grid.neighbours(node))
+        done.update(near)
+        evaluate(other for node in near for other in grid.neighbours(node))
     order = sorted(found, key=lambda n: -found[n])
     total = float(logsumexp(list(found.values())))
     likely = [n for n in order if found[n] > found[order[0]] - kept]

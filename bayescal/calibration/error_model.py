@@ -158,11 +158,22 @@ class Geometry:
         Returns
         -------
         Array
-            ``(3 n_target,)``.
+            Of `free` ones, ``(n_free,)``.
         """
-        values, _ = self._smooth
-        rough = np.array([1.0, 1.0, 0.0 if self.data.planar else 1.0]) * error.rough**2
-        return np.asarray(unit * np.sqrt(error.smooth**2 * values[:, None] + rough).ravel())
+        values = self._smooth[0]
+        rough = error.rough**2 * self._axes
+        squares = error.smooth**2 * values[:, None] + rough
+        return np.asarray(unit * np.sqrt(squares.ravel()[self.free]))
+
+    @property
+    def _axes(self) -> Array:
+        """Whether points are off each on its own in x, y and z."""
+        return np.array([1.0, 1.0, 0.0 if self.data.planar else 1.0])
+
+    @cached_property
+    def free(self) -> IntArray:
+        """Which of the target's offsets along `directions`, axis by axis, there may be."""
+        return np.flatnonzero(self._smooth[0][:, None] + self._axes)
 
     @property
     def directions(self) -> Array:
@@ -177,7 +188,11 @@ class Geometry:
         if not error.offsets:
             return None
         sds = self.offset_sds(error, unit)
-        return np.asarray((np.kron(self.directions, np.eye(3)) * sds)[:, sds > 0])
+        return np.asarray((self._basis * sds)[:, sds > 0])
+
+    @cached_property
+    def _basis(self) -> Array:
+        return np.asarray(np.kron(self.directions, np.eye(3))[:, self.free])
 
     @cached_property
     def _smooth(self) -> tuple[Array, Array]:

@@ -43,8 +43,7 @@ def settled(problem: Problem) -> Problem:
         found = problem.laplace_over(prior)
         step, sd = found.mean, np.sqrt(np.diag(found.covariance))
         for _ in range(HALVINGS):
-            x = problem.x + step
-            moved = replace(problem, x=x, poses=problem.poses_at(x))
+            moved = problem.moved(step)
             new = height(moved)
             if new > highest - SLACK:
                 break

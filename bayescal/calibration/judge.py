@@ -26,6 +26,7 @@ from bayescal.inference.estimate import EvidenceEstimate
 
 TURNS = 4  # of the most probable error model and its mode at most
 NEARLY = 1.0  # nat: nodes looked at before residuals are linearised about the best
+AT_ONCE = 2_000_000  # numbers of offsets' precisions: 16 MB
 KEPT = 64  # normal equations held at a time: up to some MB each
 
 
@@ -186,14 +187,24 @@ class _Comparer:
         geometry, grid = self.setting.geometry, self.setting.grid
         shared = geometry.shared(grid.error((correlated, length, 0, 0)))
         views = reduce(self.reference.stack, self.setting.data, shared, offsets=grid.offsets)
-        return shared, views.sums.turned(geometry.directions) if grid.offsets else views.sums
+        if not grid.offsets:
+            return shared, views.sums
+        return shared, views.sums.turned(geometry.directions, geometry.free)
 
     def __call__(self, nodes: Sequence[Node]) -> list[float]:
         new = [node for node in nodes if node not in self._known]
-        if new:
-            found = (each.log_evidence for each in self._integrated(new))
-            self._known.update(zip(new, found, strict=True))
+        for i in range(0, len(new), self._at_once):
+            some = new[i : i + self._at_once]
+            found = (each.log_evidence for each in self._integrated(some))
+            self._known.update(zip(some, found, strict=True))
         return [self._known[node] for node in nodes]
+
+    @property
+    def _at_once(self) -> int:
+        """Error models whose offsets are eliminated together."""
+        if not self.setting.grid.offsets:
+            return AT_ONCE
+        return max(1, AT_ONCE // len(self.setting.geometry.free) ** 2)
 
     def _integrated(self, nodes: Sequence[Node]) -> list[Laplace]:
         setting, data = self.setting, self.setting.data

@@ -136,8 +136,8 @@ class Forms:
     @classmethod
     def of(cls, gram: Array, nu: IntArray, constant: Array) -> Forms:
         """Take them from Gram matrices of derivatives and residuals, ``(n, d + 1, d + 1)``."""
-        precision = np.array([semidefinite(each) for each in gram[:, :-1, :-1]])
-        return cls(precision, gram[:, :-1, -1], gram[:, -1, -1], nu, constant)
+        precision = gram[:, :-1, :-1]
+        return cls(semidefinite(precision), gram[:, :-1, -1], gram[:, -1, -1], nu, constant)
 
 
 def laplace(forms: Forms, x: Array, prior: Strengths, level: Level = INFERRED) -> list[Laplace]:
@@ -184,9 +184,9 @@ def laplace(forms: Forms, x: Array, prior: Strengths, level: Level = INFERRED) -
     log_mass += d / 2 * LOG_2PI - log_det / 2 + np.log(unit).sum(axis=1)[rows.form]
     step = step * unit[rows.form]
     covariance *= (unit[:, :, None] * unit[:, None, :])[rows.form]
-    ends = np.searchsorted(rows.form, np.arange(1, n))
-    parts = (np.split(v, ends) for v in (log_mass, step, covariance, rows.kept))
-    return [Laplace(*part) for part in zip(*parts, strict=True)]
+    ends = np.searchsorted(rows.form, np.arange(n + 1))
+    parts = map(slice, ends[:-1], ends[1:])
+    return [Laplace(log_mass[i], step[i], covariance[i], rows.kept[i]) for i in parts]
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,17 +250,19 @@ def constant(data: Observations, log_det: Array, log_det_noise: Array) -> Array:
     return data.log_weight - (log_det + log_det_noise) / 2 + data.n_views * LOG_POSE
 
 
-def semidefinite(matrix: Array) -> Array:
-    """Take from a precision ``(d, d)`` what rounding made negative.
+def semidefinite(matrices: Array) -> Array:
+    """Take from precisions ``(n, d, d)`` what rounding made negative.
 
     Eliminating poses leaves differences: coefficients that hardly differ in what they do are
     told apart by nothing but rounding.
     """
     try:
-        np.linalg.cholesky(matrix)  # far sooner than eigenvalues
+        np.linalg.cholesky(matrices)  # far sooner than eigenvalues
     except np.linalg.LinAlgError:
-        scale = np.sqrt(np.maximum(np.diag(matrix), np.finfo(float).tiny))
-        values, vectors = np.linalg.eigh(matrix / np.outer(scale, scale))
-        rooted = vectors * np.sqrt(np.maximum(values, 0.0)) * scale[:, None]
-        return np.asarray(rooted @ rooted.T)
-    return matrix
+        diagonal = np.einsum("nii->ni", matrices)
+        scale = np.sqrt(np.maximum(diagonal, np.finfo(float).tiny))
+        values, vectors = np.linalg.eigh(matrices / (scale[:, :, None] * scale[:, None, :]))
+        rooted = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :] * scale[:, :, None]
+        mended = rooted @ rooted.swapaxes(1, 2)
+        return np.where((values[:, 0] < 0)[:, None, None], mended, matrices)
+    return matrices

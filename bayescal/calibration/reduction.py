@@ -91,14 +91,17 @@ class Sums:
     inner: Array
     log_det: float
 
-    def turned(self, basis: Array) -> Sums:
-        """Give offsets along directions over the target, ``(n_target, n_target)``, axis by axis."""
+    def turned(self, basis: Array, kept: IntArray) -> Sums:
+        """Give offsets along directions over the target, ``(n_target, n_target)``, axis by axis.
+
+        Of these, which are to be kept.
+        """
         m, columns = len(basis), self.cross.shape[1]
         cross = (basis.T @ self.cross.reshape(m, -1)).reshape(-1, columns)
         axes = len(cross) // m
         blocks = self.inner.reshape(m, axes, m, axes).transpose(1, 3, 0, 2)
         inner = (basis.T @ blocks @ basis).transpose(2, 0, 3, 1).reshape(len(cross), -1)
-        return replace(self, cross=cross, inner=inner)
+        return replace(self, cross=cross[kept], inner=inner[np.ix_(kept, kept)])
 
 
 def reduce(
@@ -151,13 +154,13 @@ def _inner(stack: Stacked, data: Observations, shared: Shared) -> Array:
         at = np.arange(m)
         blocks[at, :, at] = data.by_target(points).sum(axis=0)
         return blocks.reshape(3 * m, 3 * m)
-    flat = stack.by_target.swapaxes(2, 3).reshape(v, 3 * n, 2)
     if data.alike:
-        sides = flat.swapaxes(0, 1).reshape(3 * n, 2 * v)
-        blocks = (sides @ sides.T).reshape(n, 3, n, 3) * shared.inverse[0][:, None, :, None]
-        total = np.zeros((m, 3, m, 3))
-        total[np.ix_(data.which[0], range(3), data.which[0], range(3))] = blocks
-        return total.reshape(3 * m, 3 * m)
+        places = data.which[0]
+        sides, noise = np.zeros((m, 3, 2 * v)), np.zeros((m, m))
+        sides[places] = stack.by_target.transpose(1, 3, 0, 2).reshape(n, 3, 2 * v)
+        noise[np.ix_(places, places)] = shared.inverse[0]
+        flat = sides.reshape(3 * m, -1)
+        return np.asarray((flat @ flat.T) * noise.repeat(3, axis=0).repeat(3, axis=1))
     total = np.zeros((3 * m, 3 * m))
     for view in range(v):
         at, block = _block(stack, data, shared, view)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
@@ -13,8 +11,8 @@ from bayescal.calibration.reduction import eliminate
 from bayescal.calibration.strengths import COARSE, strengths
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 
-REFITS = 2  # Gauss-Newton steps from the fit to all views
-FAR = 0.3  # posterior deviations: without a view so influential residuals are linearised anew
+REFITS = 4  # Gauss-Newton steps at most
+FAR, CLOSE = 0.3, 0.01  # posterior deviations: farther off residuals are linearised anew; till when
 
 
 def leave_views_out(problem: Problem) -> tuple[LeaveOneOut, Array] | None:
@@ -34,7 +32,7 @@ def leave_views_out(problem: Problem) -> tuple[LeaveOneOut, Array] | None:
     for view, rest in enumerate(laplace(_without(problem), problem.x, prior, problem.level)):
         x = problem.x
         if np.abs((rest.mean - whole.mean) / sd).max() > FAR:
-            again = refitted(problem, np.delete(np.arange(n), view))
+            again = refitted(problem, np.delete(np.arange(n), view), rest.mean)
             x, rest = again.x, again.laplace_over(prior)
         densities.append(whole.log_evidence - rest.log_evidence)
         lenses.append(x + rest.mean)
@@ -58,13 +56,24 @@ def _without(problem: Problem) -> Forms:
     )
 
 
-def refitted(problem: Problem, views: IntArray) -> Problem:
-    """Fit a lens to some of the views, from where it is."""
-    found = problem.only(views)
+def refitted(problem: Problem, views: IntArray, step: Array | float = 0.0) -> Problem:
+    """Fit a lens to some of the views.
+
+    Parameters
+    ----------
+    step : Array or float, optional
+        From where it is to where the fit begins, ``(dimension,)``.
+    """
     prior = strengths(problem.model, COARSE)
+    prior = prior.only(problem.laplace_over(prior).likely)
+    found = problem.moved(step).only(views)
+    if not found.stack.possible:
+        found = problem.only(views)
     for _ in range(REFITS):
-        step = found.laplace_over(prior).mean
-        moved = replace(found, x=found.x + step, poses=found.poses_at(found.x + step))
+        rest = found.laplace_over(prior)
+        if np.abs(rest.mean / np.sqrt(np.diag(rest.covariance))).max() < CLOSE:
+            break
+        moved = found.moved(rest.mean)
         if not moved.stack.possible:
             break
         found = moved

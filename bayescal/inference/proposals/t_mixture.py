@@ -12,6 +12,8 @@ from scipy.special import gammaln, logsumexp
 
 from bayescal.arrays import Array
 
+SINGULAR = 1e-5  # of a deviation
+
 
 @dataclass(frozen=True, eq=False)
 class TMixture:
@@ -126,8 +128,15 @@ def cholesky(covariance: Array) -> Array:
     """Lower Cholesky root of a covariance that rounding may have made singular."""
     scale = np.sqrt(np.maximum(np.diag(covariance), np.finfo(float).tiny))
     correlation = covariance / np.outer(scale, scale)
-    values, vectors = np.linalg.eigh((correlation + correlation.T) / 2)
-    values = np.maximum(values, 1e-12 * values.max())
-    triangle = np.linalg.qr((vectors * np.sqrt(values)).T, mode="r")
-    root = triangle.T * np.where(np.diag(triangle) < 0, -1.0, 1.0)
+    correlation = (correlation + correlation.T) / 2
+    try:
+        root = np.linalg.cholesky(correlation)
+        sound = np.diag(root).min() > SINGULAR  # a coordinate's deviation, the others known
+    except np.linalg.LinAlgError:
+        sound = False
+    if not sound:
+        values, vectors = np.linalg.eigh(correlation)
+        values = np.maximum(values, 1e-12 * values.max())
+        triangle = np.linalg.qr((vectors * np.sqrt(values)).T, mode="r")
+        root = triangle.T * np.where(np.diag(triangle) < 0, -1.0, 1.0)
     return np.asarray(scale[:, None] * root)
