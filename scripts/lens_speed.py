@@ -24,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.calibration.evidence import proposal, settled
-from bayescal.calibration.expansion import expanded
+from bayescal.calibration.expansion import near
 from bayescal.calibration.laplace import degrees
 from bayescal.calibration.sampled import SampledLens
 from bayescal.calibration.stacking import residuals
@@ -81,7 +81,7 @@ def samplers(views: Views) -> Iterator[str]:
 
     def ours() -> float:
         own = settled(problem)
-        model = SampledLens(expanded(own))
+        model = SampledLens(near(own))
         drawn = sample_model(model, np.random.default_rng(0), ESS, Guess(*proposal(own)))
         return min(p.ess_bulk for p in drawn.parameters)
 
@@ -106,7 +106,7 @@ def samplers(views: Views) -> Iterator[str]:
         f"| ours, ESS {ESS}, fit of the proposal counted | {d} | | {rate:.0f} | |",
     )
     rng = np.random.default_rng(0)
-    marginal = expanded(problem).log_prob
+    marginal = near(problem).log_prob
     about = problem.x + 0.5 * rng.standard_normal((4 * d, d)) @ problem.spread.T
     yield stretch("the same density", marginal, about, 5000, rate)
     n = d + 6 * data.n_views

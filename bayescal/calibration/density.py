@@ -24,7 +24,7 @@ from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import Reduced, Views, eliminate, pose_response, reduce
 from bayescal.calibration.stacking import Poses, Stacked, pose_slopes, residuals, stacked
-from bayescal.calibration.strengths import Strengths, strengths
+from bayescal.calibration.strengths import COARSE, Strengths, strengths
 from bayescal.inference.proposals.t_mixture import cholesky
 from bayescal.prior.strength import Strength
 
@@ -239,6 +239,12 @@ class Problem:
         return Forms.of(self.reduced.gram[None], nu, fixed)
 
     @cached_property
+    def likely_strengths(self) -> Strengths:
+        """Combinations of strengths that matter, of few: enough to find modes by."""
+        prior = strengths(self.model, COARSE)
+        return prior.only(self.laplace_over(prior).likely)
+
+    @cached_property
     def laplace(self) -> Laplace:
         """Posterior by linear algebra about the reference."""
         return self.laplace_over(strengths(self.model))
@@ -255,13 +261,12 @@ class Problem:
     @cached_property
     def _log_det_response(self) -> tuple[Array, Array]:
         """First and second order of that change in each direction, from steps of 1 sd."""
-        around = np.concatenate([self.spread.T, -self.spread.T])
-        rows = max(1, AT_A_TIME // (6 * self.data.pixels.size))
-        values = [self.log_det_of(self.slopes_at(x)) for x in _split(self.x + around, rows)]
-        return both_sides(np.concatenate(values))
+        return both_sides(self.log_det_of(self.slopes))
 
-    def slopes_at(self, x: Array) -> Array:
-        """Differentiate by the poses at lenses ``(n_draws, dimension)``, as `pose_slopes` does."""
+    @cached_property
+    def slopes(self) -> Array:
+        """By the poses a step up and down each axis, as of `pose_slopes`, ``(2 d, ...)``."""
+        x = self.x + np.concatenate([self.spread.T, -self.spread.T])
         return pose_slopes(self.model, self.data, x, self.poses_at(x))
 
     def log_det_of(self, slopes: Array) -> Array:

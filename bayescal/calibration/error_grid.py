@@ -19,6 +19,7 @@ OFFSETS = (0.0, *(2.0**k for k in range(-4, 4)))
 INDEPENDENT: Node = (0, 0, 0, 0)
 MIDDLE = 3  # level of each part at the second node that is looked at
 KEPT = 5.0  # nat below the best at which a node's neighbours are not looked at any more
+TOGETHER = 8  # nodes whose neighbours are evaluated at once
 FEWEST_VIEWS = 3  # offsets common to fewer views can't be told from the poses
 
 
@@ -168,10 +169,13 @@ def follow(
     evaluate(start)
     done: set[Node] = set()
     while len(found) < most:
-        best = max(found.values())
-        near = [n for n, v in found.items() if n not in done and v > best - kept]
+        best = max(found, key=lambda node: found[node])
+        near = [n for n, v in found.items() if n not in done and v > found[best] - kept]
         if not near:
             break
+        # The best alone where it is new: others may be far from a higher one.
+        near.sort(key=lambda node: -found[node])
+        near = near[: 1 if near[0] == best else TOGETHER]
         done.update(near)
         evaluate(other for node in near for other in grid.neighbours(node))
     order = sorted(found, key=lambda n: -found[n])

@@ -24,7 +24,7 @@ NEAR = 0.01  # posterior deviations: a step this short leaves a reference that i
 COMPONENTS, COVERED = 40, 0.999  # of the mixture; share of the mass they hold
 DRAWS = 2000
 CORRECTED = 100  # draws at which an expansion is corrected
-FAR = 0.5  # share of the evidence: an expansion that lacks more is of no use
+NEAR_SHARE = 0.05  # of the evidence, root mean square: an expansion that lacks more is of no use
 
 
 def settled(problem: Problem) -> Problem:
@@ -70,15 +70,13 @@ def proposal(problem: Problem) -> tuple[TMixture, tuple[Mode, ...]]:
     order = np.argsort(-found.log_mass)
     shares = np.exp(found.log_mass[order] - logsumexp(found.log_mass))
     n = min(int(np.searchsorted(np.cumsum(shares), COVERED)) + 1, COMPONENTS)
+    some = order[:n]
+    roots = cholesky(found.covariances[some])
     modes = tuple(
-        Mode(
-            problem.x + found.step[i],
-            float(found.log_mass[i]),
-            cholesky(found.covariances[i]),
-        )
-        for i in order[:n]
+        Mode(problem.x + step, float(mass), root)
+        for step, mass, root in zip(found.step[some], found.log_mass[some], roots, strict=True)
     )
-    return mixture_about(modes, found.log_mass[order[:n]]), modes
+    return mixture_about(modes, found.log_mass[some]), modes
 
 
 def weighed(
@@ -87,7 +85,8 @@ def weighed(
     """Evidence by importance sampling, with the draws and the logs of their weights.
 
     An expansion weighs all of the draws; what it lacks is the mean difference from the density
-    itself over the first of them, whose error counts; where that is much, the density weighs all.
+    itself over the first of them, whose error counts; where they are not near, the density
+    weighs all.
 
     Parameters
     ----------
@@ -105,14 +104,17 @@ def weighed(
     if isinstance(density, Problem):
         return found, draws, log_weights
     few = min(n, CORRECTED)
-    exact = problem.log_prob(draws[:few]) - log_q[:few]
+    log_weights[:few], before = (
+        problem.log_prob(draws[:few]) - log_q[:few],
+        log_weights[:few].copy(),
+    )
     with np.errstate(over="ignore", invalid="ignore"):
-        shares = np.exp(np.stack([exact, log_weights[:few]]) - found.log_evidence)
+        shares = np.exp(np.stack([log_weights[:few], before]) - found.log_evidence)
         lacking = shares[0] - shares[1]
-    if not abs(lacking.mean()) < FAR:
-        return weighed(problem, rng, n)
+    if not np.sqrt(np.mean(lacking**2)) <= NEAR_SHARE:
+        log_weights[few:] = problem.log_prob(draws[few:]) - log_q[few:]
+        return from_weights(log_weights), draws, log_weights
     error = math.hypot(found.error, float(lacking.std(ddof=1)) / math.sqrt(few))
-    log_weights[:few] = exact
     log_evidence = found.log_evidence + math.log1p(float(lacking.mean()))
     return replace(found, log_evidence=log_evidence, error=error), draws, log_weights
 

@@ -60,8 +60,8 @@ class Terms:
         middle, up, down, corners = np.split(found, [1, d + 1, 2 * d + 1])
         slope, bend = (up - down) / 2, (up + down) / 2 - middle
         mixed = corners - up[one] - up[other] + middle
-        slopes = problem.slopes_at(x[1 : 2 * d + 1])
-        return cls(problem.x, root, np.concatenate([middle, slope, bend, mixed]), slopes)
+        values = np.concatenate([middle, slope, bend, mixed])
+        return cls(problem.x, root, values, problem.slopes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +115,12 @@ class Expansion:
 
 
 def expanded(problem: Problem) -> Problem | Expansion:
-    """Give the expansion of a settled problem where it is near, else the problem itself."""
+    """Give the expansion of a settled problem, or the problem where it has none."""
     terms = Terms.of(problem)
-    if terms is None:
-        return problem
-    found = Expansion(problem, terms)
-    return found if found.near else problem
+    return problem if terms is None else Expansion(problem, terms)
+
+
+def near(problem: Problem) -> Problem | Expansion:
+    """Give the expansion of a settled problem where it is near, else the problem itself."""
+    found = expanded(problem)
+    return problem if isinstance(found, Expansion) and not found.near else found

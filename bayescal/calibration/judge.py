@@ -14,7 +14,7 @@ from bayescal.calibration.density import Problem
 from bayescal.calibration.error_grid import INDEPENDENT, Averaged, ErrorGrid, Node, follow
 from bayescal.calibration.error_model import Geometry, Shared
 from bayescal.calibration.evidence import height, settled, weighed
-from bayescal.calibration.expansion import Expansion, expanded
+from bayescal.calibration.expansion import Expansion, expanded, near
 from bayescal.calibration.laplace import Forms, Laplace, Level, constant, degrees, laplace
 from bayescal.calibration.least_squares import Fit, with_bow
 from bayescal.calibration.lens_model import LensModel
@@ -121,7 +121,7 @@ class LensEvidence:
 
         Found anew for the lens that is drawn: its terms are too large to be kept of all lenses.
         """
-        return expanded(self.problem)
+        return near(self.problem)
 
 
 def lens_evidence(

@@ -8,7 +8,7 @@ from bayescal.arrays import Array, IntArray
 from bayescal.calibration.density import Problem
 from bayescal.calibration.laplace import LOG_POSE, Forms, degrees, laplace
 from bayescal.calibration.reduction import eliminate
-from bayescal.calibration.strengths import COARSE, strengths
+from bayescal.calibration.strengths import strengths
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 
 REFITS = 4  # Gauss-Newton steps at most
@@ -64,13 +64,11 @@ def refitted(problem: Problem, views: IntArray, step: Array | float = 0.0) -> Pr
     step : Array or float, optional
         From where it is to where the fit begins, ``(dimension,)``.
     """
-    prior = strengths(problem.model, COARSE)
-    prior = prior.only(problem.laplace_over(prior).likely)
     found = problem.moved(step).only(views)
     if not found.stack.possible:
         found = problem.only(views)
     for _ in range(REFITS):
-        rest = found.laplace_over(prior)
+        rest = found.laplace_over(problem.likely_strengths)
         if np.abs(rest.mean / np.sqrt(np.diag(rest.covariance))).max() < CLOSE:
             break
         moved = found.moved(rest.mean)
