@@ -1,4 +1,4 @@
-"""The array type used throughout, read-only arrays, arrays as a file, and ln 2 pi."""
+"""The array type used throughout, read-only arrays, arrays as a file, finite numbers, ln 2 pi."""
 
 from __future__ import annotations
 
@@ -29,6 +29,11 @@ def frozen(values: ArrayLike) -> Array:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def finite(value: float) -> float | None:
+    """Turn what could not be computed into None."""
+    return float(value) if math.isfinite(value) else None
 
 
 def to_npz(head: Mapping[str, Any], arrays: Mapping[str, Array], name: str = "head") -> bytes:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands.shared import options as shared
-from bayescal.commands.shared.output import DONE, add_progress
+from bayescal.commands.shared.output import DONE, add_manner
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
@@ -68,9 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.png",
         help="draw small pictures of all photographs with what was found",
     )
-    output.add_argument("--force", action="store_true", help="replace existing output")
-    output.add_argument("--quiet", action="store_true", help="say nothing of what was found")
-    add_progress(output)
+    add_manner(output, "say nothing of what was found")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.many import many_or_few
-from bayescal.commands.shared.output import DONE, add_progress, check_file, code_of
+from bayescal.commands.shared.output import DONE, add_manner, check_file, code_of
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import (
     ALIASES,
@@ -73,9 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output.add_argument(
         "--out", required=True, metavar="FILE", help="the figure: .png, .svg or .pdf"
     )
-    output.add_argument("--force", action="store_true", help="replace an existing file")
-    output.add_argument("--quiet", action="store_true", help="don't say what is to be seen")
-    add_progress(output)
+    add_manner(output, "don't say what is to be seen")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families, families_of
 from bayescal.commands.shared.many import many_or_few
-from bayescal.commands.shared.output import add_progress, check_file, code_of
+from bayescal.commands.shared.output import add_manner, check_file, code_of
 from bayescal.commands.shared.streams import print_utf8
 from bayescal.errors import InputError, OutputError
 
@@ -44,9 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output.add_argument(
         "--pdf", metavar="FILE.pdf", help="print it too, with the Chromium found on the PATH"
     )
-    output.add_argument("--force", action="store_true", help="replace existing files")
-    output.add_argument("--quiet", action="store_true", help="don't say the verdict")
-    add_progress(output)
+    add_manner(output, "don't say the verdict")
     heading = parser.add_argument_group("title block (by default as the setup's [report] says)")
     heading.add_argument("--title", default="", metavar="TEXT", help="heads the page")
     for name, what in (

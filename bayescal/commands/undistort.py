@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands.shared import options as shared
-from bayescal.commands.shared.output import DONE, add_progress
+from bayescal.commands.shared.output import DONE, add_manner
 from bayescal.errors import InputError, OutputError
 
 if TYPE_CHECKING:
@@ -57,9 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     output.add_argument(
         "--out", required=True, metavar="PLACE", help="folder; of pixels a CSV file, - prints it"
     )
-    output.add_argument("--force", action="store_true", help="replace existing output")
-    output.add_argument("--quiet", action="store_true", help="say nothing of what was done")
-    add_progress(output)
+    add_manner(output, "say nothing of what was done")
 
 
 def run(options: argparse.Namespace) -> int:

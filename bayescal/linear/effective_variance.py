@@ -78,7 +78,7 @@ def world_errors(data: AxisData, level: NoiseLevel, order: int) -> WorldErrors:
         Where fit and slope do not settle.
     """
     grid = np.linspace(*level.log_bounds, GRID)
-    own = np.ones(len(data)) if data.sd is None else data.sd
+    own = data.deviations
     variance = []
     for sigma in np.exp(grid):
         found = with_effective_deviations(data, sigma * own, order).sd

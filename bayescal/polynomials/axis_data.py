@@ -93,6 +93,11 @@ class AxisData:
         return distinct_values(self.x) if self.whole is None else self.whole.distinct
 
     @property
+    def deviations(self) -> Array:
+        """Standard deviations of the points, 1 where none are known, ``(n_points,)``."""
+        return np.ones(len(self)) if self.sd is None else self.sd
+
+    @property
     def middle(self) -> float:
         """Middle of the pixels, px."""
         return (Domain.of(self.t) if self.whole is None else self.whole.readings).middle

@@ -94,3 +94,8 @@ def order_table(
 def number_cell(value: float | None, form: Callable[[float], str]) -> Cell:
     """Make a cell that shows a number and is sorted by it; blank where there is none."""
     return Cell("") if value is None else Cell(form(value), value)
+
+
+def plain_table(heads: Sequence[str], rows: Sequence[tuple[Cell, ...]]) -> Table:
+    """Make a table whose heads say all."""
+    return Table(tuple(map(Column, heads)), tuple(rows))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
+from bayescal.arrays import finite
 from bayescal.comparison.criteria.information import CRITERIA
-from bayescal.report.document.shared import finite, points_facts, provenance
+from bayescal.report.document.shared import points_facts, provenance
 from bayescal.reproduction.results import (
     AxisReproduction,
     OrderReproduction,

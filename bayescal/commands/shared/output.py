@@ -38,6 +38,13 @@ def add_output(
         add_progress(output)
 
 
+def add_manner(output: argparse._ArgumentGroup, quiet: str) -> None:
+    """Add whether files are replaced, what is left unsaid, and whether progress is shown."""
+    output.add_argument("--force", action="store_true", help="replace existing output")
+    output.add_argument("--quiet", action="store_true", help=quiet)
+    add_progress(output)
+
+
 def add_progress(group: argparse._ArgumentGroup) -> None:
     """Add whether progress is shown."""
     group.add_argument(

@@ -100,7 +100,7 @@ class _LeftOut:
     @classmethod
     def of(cls, axis: Axis, exact: Mapping[int, ExactPosterior], order: int | None) -> _LeftOut:
         data, size = axis.data, len(exact)
-        sd = np.ones(len(data)) if data.sd is None else data.sd
+        sd = data.deviations
         leaving = {k: Leaving.of(e, data.design(k), sd) for k, e in exact.items()}
         mean, squares, spent, refitted = np.split(
             np.zeros((size + 3, size)), [1, size + 1, size + 2]

@@ -101,7 +101,7 @@ def of_pair(
         data = axis.framed
         designed = axis.design(position + STEP * 1j * np.eye(3))
         design = designed[0].real
-        sd = np.ones(len(data)) if data.sd is None else data.sd
+        sd = data.deviations
         b, *_ = np.linalg.lstsq(design / sd[:, None], data.t / sd, rcond=None)
         residuals.append(data.t - design @ b)
         designs.append(design)

@@ -188,7 +188,7 @@ def linear_residuals(
     out = []
     for moving in moving_axes(points, axes, orders):
         data, design = moving.data, moving.design(position[None])[0]
-        sd = np.ones(len(data)) if data.sd is None else data.sd
+        sd = data.deviations
         b, *_ = np.linalg.lstsq(design / sd[:, None], data.t / sd, rcond=None)
         out.append(data.t - design @ b)
     return np.stack(out)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, finite
 from bayescal.calibration.observations import Observations
 from bayescal.comparison.lenses.left_out import jackknife
 from bayescal.comparison.lenses.place import Place
@@ -72,7 +72,7 @@ def places(
         # Half the views have twice the variance, and a difference of two of them four times.
         half = np.sqrt((apart**2).mean(axis=1)) / 2
     columns = zip(names, pixels, *spreads, jack, half, strict=True)
-    return tuple(Place(name, at, *map(_known, values)) for name, at, *values in columns)
+    return tuple(Place(name, at, *map(finite, values)) for name, at, *values in columns)
 
 
 def between(
@@ -88,7 +88,3 @@ def between(
     weights = np.array(shares) / math.fsum(shares)
     gap = np.array(moves) - np.einsum("k,kna->na", weights, np.array(moves))
     return np.asarray(np.sqrt(np.einsum("k,kna->n", weights, gap**2) / 2))
-
-
-def _known(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

@@ -178,8 +178,9 @@ class Sweep:
 
 def image_size(views: Views) -> tuple[float, float]:
     """Size of the image, px; where it is not known, from where the points are."""
-    if views.width is not None and views.height is not None:
-        return float(views.width), float(views.height)
+    if views.image_size is not None:
+        width, height = views.image_size
+        return float(width), float(height)
     low, high = views.pixels.min(axis=0), views.pixels.max(axis=0)
     # Points spread over an image leave about the same margin on both sides.
     width, height = (math.ceil(v) for v in low.clip(0) + high + 1)
@@ -188,7 +189,7 @@ def image_size(views: Views) -> tuple[float, float]:
 
 def size_notes(views: Views) -> tuple[str, ...]:
     """Say that the size of the image had to be assumed, where it had."""
-    if views.width is not None and views.height is not None:
+    if views.image_size is not None:
         return ()
     width, height = image_size(views)
     return (f"{width:g} by {height:g} px is assumed, from where the points are",)

@@ -161,7 +161,7 @@ def _axis(
     loo = {c.order: left for c in plain if (left := c.left_out(store)) is not None}
     records = point_records(data, elimination, order, loo, gaussian.log_evidence, view)
     scale = level.value or posterior[level.parameter].mean
-    own = np.ones(len(data)) if data.sd is None else data.sd
+    own = data.deviations
     slope = _slope(data, posterior, order) / points.camera_frame()[:, 2]
     shared = shared_errors(data, records, points.world, slope, scale * own)
     treatments = gaussian, without, *sampled

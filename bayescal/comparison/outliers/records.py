@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, finite
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.outliers.rejection import Rejection, RejectionRule, point_tests, reject
 from bayescal.linear.design_fit import FULL_LEVERAGE, DesignFit
@@ -121,7 +120,7 @@ def eliminate(data: AxisData, orders: Sequence[int], rule: RejectionRule) -> Eli
     data : AxisData
         With deviations only where they are used; the rule's sigma is a factor on them.
     """
-    own = _own(data)
+    own = data.deviations
     return Elimination(
         {k: reject(data.design(k) / own[:, None], data.t / own, rule) for k in orders}
     )
@@ -150,7 +149,7 @@ def point_records(
     """
     fit = elimination.by_order[order].before
     tests = point_tests(fit, elimination.by_order[order].rule.sigma)
-    residuals = fit.residuals * _own(data)
+    residuals = fit.residuals * data.deviations
     cook = cooks_distance(fit)
     orders = list(log_evidence)
     left = np.array([log_evidence[k] - loo[k].pointwise for k in orders])
@@ -165,14 +164,14 @@ def point_records(
             float(robust.predicted[i]),
             float(robust.predicted_sd[i]),
             float(residuals[i]),
-            None if tests is None else _number(tests.standardised[i]),
+            None if tests is None else finite(tests.standardised[i]),
             float(fit.leverages[i]),
-            _number(cook[i]),
+            finite(cook[i]),
             elimination.rejected_at(i),
             float(robust.bad_probability[i]),
             float(robust.weight[i]),
             orders[best[i]],
-            _number(lead[i]),
+            finite(lead[i]),
         )
         for i in range(len(data))
     ]
@@ -193,12 +192,3 @@ def cooks_distance(fit: DesignFit) -> Array:
     h, e = fit.leverages[usable], fit.residuals[usable]
     out[usable] = e**2 * h / (fit.n_coefficients * fit.rss / fit.dof * (1 - h) ** 2)
     return out
-
-
-def _own(data: AxisData) -> Array:
-    """Give the points' own deviations, or 1."""
-    return np.ones(len(data)) if data.sd is None else data.sd
-
-
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None

@@ -25,8 +25,8 @@ def check_views(views: ViewRows) -> None:
     for one, part in enumerate(views.slices):
         _check_view(views, one, part)
     _check_target(views)
-    if views.width is not None and views.height is not None:
-        _check_size(views, views.width, views.height)
+    if views.image_size is not None:
+        _check_size(views, *views.image_size)
 
 
 def _check_view(views: ViewRows, one: int, part: slice) -> None:

@@ -23,8 +23,8 @@ def view_notes(views: Views) -> list[str]:
     views : Views
     """
     found = list(views.notes)
-    if views.width is not None and views.height is not None:
-        found += _off(views, views.width, views.height)
+    if views.image_size is not None:
+        found += _off(views, *views.image_size)
     if len(views) == 1:
         found.append(
             "one view only: what the lens does and where it stood can hardly be told apart"

@@ -38,6 +38,11 @@ class ViewRows:
         return len(self.names)
 
     @property
+    def image_size(self) -> tuple[int, int] | None:
+        """Width and height of the image, px; None where they are not known."""
+        return None if self.width is None or self.height is None else (self.width, self.height)
+
+    @property
     def n_points(self) -> int:
         """How many points all views show together."""
         return len(self.view)

@@ -31,7 +31,7 @@ def views_to_csv(views: Views, comments: Sequence[str] = ()) -> str:
     text = io.StringIO()
     for line in comments:
         text.write(f"# {' '.join(line.split())}\n")
-    if views.width is not None and views.height is not None:
+    if views.image_size is not None:
         text.write(f"# image: {views.width} x {views.height}\n")
     if views.sigma is not None and views.relative_sigma:
         text.write("# sigma: relative\n")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from bayescal.arrays import finite
 from bayescal.comparison.criteria.information import ACROSS
 from bayescal.comparison.families.exact_parameters import exact_parameters
 from bayescal.comparison.families.request import FamilyRequest
@@ -19,7 +20,6 @@ from bayescal.report.document.shared import (
     covariance_facts,
     evidence_facts,
     findings_facts,
-    finite,
     interval_facts,
     points_facts,
     provenance,

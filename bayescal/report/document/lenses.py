@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
+from bayescal.arrays import finite
 from bayescal.comparison.lenses.judging import plausible_others, widest
 from bayescal.comparison.lenses.prediction import PROBABILITY
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
@@ -13,7 +14,6 @@ from bayescal.report.document.shared import (
     covariance_facts,
     evidence_facts,
     findings_facts,
-    finite,
     provenance,
     summary_facts,
 )

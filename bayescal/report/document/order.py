@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from bayescal.arrays import finite
 from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.comparison.results import AxisComparison, OrderResult
 from bayescal.inference.posterior import ParameterSummary
-from bayescal.report.document.shared import covariance_facts, evidence_facts, finite, summary_facts
+from bayescal.report.document.shared import covariance_facts, evidence_facts, summary_facts
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
     from bayescal.comparison.defence.results import Prediction

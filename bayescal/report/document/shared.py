@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import platform
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
@@ -12,6 +11,7 @@ from importlib.metadata import version
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
+from bayescal.arrays import finite
 from bayescal.comparison.convert import Converts
 from bayescal.comparison.findings.finding import Finding
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
@@ -125,8 +125,3 @@ def evidence_facts(posterior: Posterior) -> dict[str, Any] | None:
 def by_order(found: Mapping[int, Any]) -> dict[str, Any]:
     """Give values of orders under their names in JSON."""
     return {str(k): list(v) if isinstance(v, tuple) else v for k, v in found.items()}
-
-
-def finite(value: float) -> float | None:
-    """Turn a diagnostic that could not be computed into null."""
-    return value if math.isfinite(value) else None

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from bayescal.arrays import finite
 from bayescal.points.partial import PartialTable
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.changed import LEVEL, Change
@@ -116,9 +116,7 @@ def _rows(columns: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _json(value: Any) -> Any:
-    if isinstance(value, str):
-        return value
-    return float(value) if math.isfinite(value) else None
+    return value if isinstance(value, str) else finite(value)
 
 
 def _digits(value: float) -> str:

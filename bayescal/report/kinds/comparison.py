@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,10 +11,8 @@ from bayescal.comparison.results import Comparison, OrderResult
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.inference.arviz_bridge import Draws
-from bayescal.inference.posterior import Posterior
 from bayescal.points.setup import AXES
 from bayescal.polynomials import separable
-from bayescal.polynomials.axis_data import AxisData
 from bayescal.report.document.comparison import SCHEMA, comparison_document
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import described
@@ -76,8 +75,7 @@ class ComparisonKind(RunKind[Comparison]):
 
     def draws(self, result: Comparison) -> dict[str, Draws]:
         """Draws of every order of every axis."""
-        found = self.models(result).items()
-        return {name: axis_draws(one.posterior, one.data, one.order) for name, one in found}
+        return axes_draws(self.models(result))
 
     def files(self, result: Comparison) -> dict[str, bytes]:
         """Give the reduction of many points too."""
@@ -113,18 +111,21 @@ class ComparisonKind(RunKind[Comparison]):
 KIND = ComparisonKind()
 
 
-def axis_draws(posterior: Posterior, data: AxisData, order: int) -> Draws:
-    """Arrange the draws of one order of an axis for those who know nothing of bayescal."""
+def axes_draws(models: Mapping[str, OrderResult]) -> dict[str, Draws]:
+    """Arrange the draws of orders of axes for those who know nothing of bayescal."""
     from bayescal.comparison.convert import kept_groups, order_held
     from bayescal.inference.stored import packed
 
-    groups = kept_groups(order_held(posterior, data))
-    groups["observed_data"] = {"pixel": data.t, "regressor": data.x}
-    return described(
-        packed(posterior),
-        groups,
-        axis=data.axis,
-        regressor=data.regressor,
-        order=order,
-        units="coefficients and sigma in px, tau a fraction of the image, scale a factor",
-    )
+    found = {}
+    for name, one in models.items():
+        data, groups = one.data, kept_groups(order_held(one.posterior, one.data))
+        groups["observed_data"] = {"pixel": data.t, "regressor": data.x}
+        found[name] = described(
+            packed(one.posterior),
+            groups,
+            axis=data.axis,
+            regressor=data.regressor,
+            order=one.order,
+            units="coefficients and sigma in px, tau a fraction of the image, scale a factor",
+        )
+    return found

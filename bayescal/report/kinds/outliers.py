@@ -14,7 +14,7 @@ from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
 from bayescal.points.setup import AXES
 from bayescal.report.document.outliers import SCHEMA, outliers_document
-from bayescal.report.kinds.comparison import SETTINGS, axis_draws
+from bayescal.report.kinds.comparison import SETTINGS, axes_draws
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.kind import RunKind
 from bayescal.report.run.shape import NUMBER, Each, Same
@@ -74,8 +74,7 @@ class OutliersKind(RunKind[OutlierStudy]):
 
     def draws(self, result: OutlierStudy) -> dict[str, Draws]:
         """Draws of them."""
-        found = self.models(result).items()
-        return {name: axis_draws(one.posterior, one.data, one.order) for name, one in found}
+        return axes_draws(self.models(result))
 
     def reopen(self, run: RunFiles, settings: Settings) -> OutlierStudy:
         """Look again, with the run's draws."""

@@ -6,7 +6,7 @@ from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.changed import Change
 from bayescal.prediction.maps import NAMES
 from bayescal.report.blocks import Blocks, Listing, Prose, Tabled
-from bayescal.report.table import Cell, Column, Table
+from bayescal.report.table import Cell, Table, plain_table
 from bayescal.report.views.prediction import models_words
 from bayescal.rounding import rounded, significant
 
@@ -39,7 +39,7 @@ def _table(found: Change) -> Table:
         moved = (Cell(rounded(float(v), sd)) for v in (*at.shift[i], at.size[i]))
         note = "" if at.places.inside[i] else "extrapolated"
         rows.append((*where, *moved, Cell(significant(sd)), Cell(note)))
-    return Table(tuple(Column(h) for h in heads), tuple(rows))
+    return plain_table(heads, rows)
 
 
 def _lines(found: Change) -> list[str]:

@@ -18,7 +18,7 @@ from bayescal.prediction.given import Surface
 from bayescal.prediction.locate import APART, FEW, SOURCES, Location
 from bayescal.prediction.pairs import Distances
 from bayescal.report.blocks import Blocks, Listing, Tabled
-from bayescal.report.table import Cell, Column, Table
+from bayescal.report.table import Cell, Column, Table, plain_table
 from bayescal.report.views.prediction import SHOWN, clipped, models_words
 from bayescal.rounding import counted, rounded, significant
 
@@ -149,7 +149,7 @@ def pair_view(
         )
         rows.append((label, *cells, *parts, Cell(remarks[i])))
     where = surface_words(surface, posed=camera.posed)
-    shown = Table(tuple(Column(h) for h in heads), tuple(rows))
+    shown = plain_table(heads, rows)
     return (
         Listing((f"{counted(len(found), 'distance')} {where}, {models_words(camera)}",), "about"),
         Tabled("distances", "Distances.", shown, tuple(_statement(found))),

@@ -10,7 +10,7 @@ from bayescal.prediction.columns import target_columns
 from bayescal.prediction.locate import APART
 from bayescal.prediction.target import SOURCES, UNLIKELY, TargetPose
 from bayescal.report.blocks import Blocks, Listing, Tabled
-from bayescal.report.table import Cell, Column, Table
+from bayescal.report.table import Cell, plain_table
 from bayescal.report.views.location import agreement
 from bayescal.report.views.prediction import models_words
 from bayescal.rounding import counted, rounded, significant
@@ -36,7 +36,7 @@ def target_view(camera: CalibratedCamera, table: PartialTable, found: TargetPose
             )
         )
     about = f"a target of {counted(len(table), 'point')}, {models_words(camera)}"
-    shown = Table(tuple(Column(h) for h in heads), tuple(rows))
+    shown = plain_table(heads, rows)
     caption = f"Pose of the target in the {found.frame}'s frame."
     return (
         Listing((about,), "about"),
