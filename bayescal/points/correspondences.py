@@ -11,6 +11,7 @@ import numpy as np
 
 from bayescal.arrays import Array, ArrayLike, frozen
 from bayescal.errors import InputError
+from bayescal.points.given import check_bounded, numbers, table
 from bayescal.points.setup import AXES, LARGEST_PX, SMALLEST_PX, Setup
 from bayescal.points.setup import LARGEST as LARGEST
 from bayescal.rounding import counted
@@ -99,16 +100,15 @@ class Correspondences:
         InputError
             Where shapes disagree or a number is not finite.
         """
-        w, p = frozen(world), frozen(pixels)
-        if w.ndim != 2 or w.shape[1] != 3:
-            raise InputError(f"world must have shape (n_points, 3), not {w.shape}")
+        w, p = frozen(table(world, 3, "world")), frozen(table(pixels, 2, "pixels"))
         n = len(w)
         if n == 0:
             raise InputError("there are no points; give at least two")
-        if p.shape != (n, 2):
+        if len(p) != n:
             raise InputError(f"pixels must have shape ({n}, 2) like world, not {p.shape}")
         given = {"r": sigma_r, "c": sigma_c, "x": sigma_x, "y": sigma_y, "z": sigma_z}
-        sigma = {name: frozen(s) for name, s in given.items() if s is not None}
+        stated = {name: s for name, s in given.items() if s is not None}
+        sigma = {name: frozen(numbers(s, f"sigma_{name}")) for name, s in stated.items()}
         names = one_line(labels) if labels is not None else ("",) * n
         names = tuple(name or str(i) for i, name in enumerate(names, 1))
         groups = one_line(groups) if groups is not None else None
@@ -116,8 +116,7 @@ class Correspondences:
             if values is not None and len(values) != n:
                 raise InputError(f"{what}: {len(values)} given for {counted(n, 'point')}")
         for what, array, limit in [("world", w, LARGEST), ("pixels", p, LARGEST_PX)]:
-            if not (np.abs(array) < limit).all():
-                raise InputError(f"{what} holds a number that is NaN, infinite or above {limit:g}")
+            check_bounded(array, what, limit)
         for name, sd in sigma.items():
             low, high = (SMALLEST_PX, LARGEST_PX) if name in AXES else (0.0, LARGEST)
             if not ((sd >= low) & (sd <= high)).all():

@@ -9,6 +9,7 @@ import numpy as np
 
 from bayescal.arrays import Array, ArrayLike
 from bayescal.errors import InputError
+from bayescal.points.given import table
 
 
 @dataclass(frozen=True)
@@ -65,12 +66,7 @@ def checked(values: ArrayLike, columns: int, what: str) -> Array:
     ------
     InputError
     """
-    try:
-        array = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{what} must be numbers") from None
-    if array.ndim != 2 or array.shape[1] != columns:
-        raise InputError(f"{what} must have shape (n, {columns}), not {array.shape}")
+    array = table(values, columns, what, "n")
     bad = np.flatnonzero(~np.isfinite(array).all(axis=1))
     if bad.size:
         raise InputError(f"{what}, row {int(bad[0]) + 1}: holds a number that is not finite")

@@ -52,6 +52,8 @@ def test_hash_tells_points_apart() -> None:
 @pytest.mark.parametrize(
     ("changes", "complaint"),
     [
+        ({"world": [["one", 2, 3]]}, "world must be an array of numbers"),
+        ({"sigma_r": ["a", "b"]}, "sigma_r must be an array of numbers"),
         ({"world": [[1, 2], [3, 4]]}, r"world must have shape \(n_points, 3\)"),
         ({"world": np.zeros((0, 3)), "pixels": np.zeros((0, 2))}, "there are no points"),
         ({"pixels": [[1, 2]]}, r"pixels must have shape \(2, 2\)"),

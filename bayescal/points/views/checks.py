@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import numbers
+
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
 from bayescal.errors import InputError
+from bayescal.points.setup import LARGEST_PX
 from bayescal.points.tables.text import quoted
 from bayescal.points.views.rows import ViewRows
 from bayescal.rounding import counted
@@ -131,3 +134,16 @@ def off_image(pixels: Array, width: int, height: int) -> Array:
     """1 where a pixel is off the image, ``(n,)``; its edges are half a pixel beyond the centres."""
     low, high = np.full(2, -0.5), np.array([width - 0.5, height - 0.5])
     return ((pixels < low) | (pixels > high)).any(axis=1).astype(float)
+
+
+def image_side(value: float | None, name: str) -> int | None:
+    """Take a width or height of the image, a whole number of px."""
+    if value is None:
+        return None
+    if not isinstance(value, numbers.Real):
+        raise InputError(f"image {name} must be a number of px, not {value!r}")
+    if not (1 <= value <= LARGEST_PX and float(value).is_integer()):
+        raise InputError(
+            f"image {name} must be a whole number from 1 to {LARGEST_PX:g} px, not {value:g}"
+        )
+    return int(value)

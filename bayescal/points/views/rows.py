@@ -12,6 +12,9 @@ from bayescal.errors import InputError
 from bayescal.points.heading import SILENT, Heading
 from bayescal.points.tables.text import quoted
 
+# Points nearer than this fraction of the target's diagonal are one point, written with rounding.
+SAME = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class ViewRows:
@@ -120,3 +123,12 @@ def fixed(values: IntArray) -> IntArray:
     array = np.array(values, dtype=np.intp)
     array.setflags(write=False)
     return array
+
+
+def distinct(world: Array) -> tuple[Array, IntArray]:
+    """Distinct points, ``(n_corners, 3)``, sorted by z, y, x, and the index of each."""
+    size = float(np.linalg.norm(np.ptp(world, axis=0)))
+    # Adding 0 makes -0 into 0. Rounded numbers only tell points apart; what is kept is as given.
+    rounded = np.round(world / (SAME * size)) + 0.0 if size else np.zeros_like(world)
+    _, first, index = np.unique(rounded[:, ::-1], axis=0, return_index=True, return_inverse=True)
+    return frozen(world[first]), index.reshape(-1).astype(np.intp)

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import hashlib
-import numbers
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bayescal.arrays import Array, ArrayLike, IntArray, frozen
+from bayescal.arrays import ArrayLike, IntArray, frozen
 from bayescal.errors import InputError
 from bayescal.points.correspondences import one_line
+from bayescal.points.given import check_bounded, table
 from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
-from bayescal.points.views.checks import check_views
-from bayescal.points.views.rows import ViewRows, fixed, rows_named
+from bayescal.points.views.checks import check_views, image_side
+from bayescal.points.views.rows import ViewRows, distinct, fixed, rows_named
 from bayescal.rounding import counted
-
-# Points nearer than this fraction of the target's diagonal are one point, written with rounding.
-SAME = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +96,7 @@ class Views(ViewRows):
         if len(world) != len(pixels):
             raise InputError(f"world has {len(world)} views and pixels {len(pixels)}")
         each = [
-            (_pair(w, 3, "world", i), _pair(p, 2, "pixels", i))
+            (table(w, 3, f"view {i}: world", "n"), table(p, 2, f"view {i}: pixels", "n"))
             for i, (w, p) in enumerate(zip(world, pixels, strict=True), 1)
         ]
         for i, (w, p) in enumerate(each, 1):
@@ -114,7 +111,7 @@ class Views(ViewRows):
         if sigma is not None:
             if len(sigma) != len(each):
                 raise InputError(f"sigma: {len(sigma)} given for {counted(len(each), 'view')}")
-            sds = [_pair(s, 2, "sigma", i) for i, s in enumerate(sigma, 1)]
+            sds = [table(s, 2, f"view {i}: sigma", "n") for i, s in enumerate(sigma, 1)]
         return cls.from_rows(
             [name for name, (w, _) in zip(names, each, strict=True) for _ in w],
             np.concatenate([w for w, _ in each]) if each else np.empty((0, 3)),
@@ -142,12 +139,14 @@ class Views(ViewRows):
         notes: Sequence[str] = (),
     ) -> Views:
         """Build views from rows: for each point the name of its view, x, y, z and r, c."""
-        w, p = _finite(world, 3, "world", LARGEST), _finite(pixels, 2, "pixels", LARGEST_PX)
+        w, p = table(world, 3, "world"), table(pixels, 2, "pixels")
+        check_bounded(w, "world", LARGEST)
+        check_bounded(p, "pixels", LARGEST_PX)
         n = len(w)
         if n == 0:
             raise InputError(f"{source}: there are no points; give at least one view of four")
         given = one_line(tuple(view))
-        sds = None if sigma is None else _finite(sigma, 2, "sigma", np.inf)
+        sds = None if sigma is None else table(sigma, 2, "sigma")
         columns = (("pixels", p), ("view", given), ("sigma", sds), ("labels", labels))
         for what, values in columns:
             if values is not None and len(values) != n:
@@ -157,7 +156,7 @@ class Views(ViewRows):
         order: dict[str, int] = {}
         index = np.array([order.setdefault(name, len(order)) for name in given], dtype=np.intp)
         rows = np.argsort(index, kind="stable")
-        target, corner = _distinct(w)
+        target, corner = distinct(w)
         if not sha256:
             digest = hashlib.sha256(repr(tuple(order)).encode())
             for array in (index, w, p, *(() if sds is None else (sds,))):
@@ -173,8 +172,8 @@ class Views(ViewRows):
             None if sds is None else frozen(sds[rows]),
             relative_sigma,
             None if labels is None else one_line(tuple(labels[i] for i in rows)),
-            _size(width, "width"),
-            _size(height, "height"),
+            image_side(width, "width"),
+            image_side(height, "height"),
             source,
             None if lines is None else tuple(lines[i] for i in rows),
             sha256,
@@ -236,7 +235,7 @@ class Views(ViewRows):
 
     def with_size(self, width: float, height: float) -> Views:
         """State the image size, px, which is checked against the pixels."""
-        found = replace(self, width=_size(width, "width"), height=_size(height, "height"))
+        found = replace(self, width=image_side(width, "width"), height=image_side(height, "height"))
         check_views(found)
         return found
 
@@ -248,52 +247,3 @@ class Views(ViewRows):
             f"<Views: {counted(len(self), 'view')}, {counted(self.n_points, 'point')} of a {shape}"
             f"{size}, from {self.source}>"
         )
-
-
-def _pair(values: ArrayLike, columns: int, what: str, view: int) -> Array:
-    """Check the shape of one view's array; (n, 1, 2), as OpenCV has it, is (n, 2)."""
-    array = _numbers(values, f"view {view}: {what}")
-    if array.ndim == 3 and 1 in array.shape[:2]:
-        array = array.reshape(-1, array.shape[2])
-    if array.ndim != 2 or array.shape[1] != columns:
-        raise InputError(f"view {view}: {what} must have shape (n, {columns}), not {array.shape}")
-    return array
-
-
-def _numbers(values: ArrayLike, what: str) -> Array:
-    try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InputError(f"{what} must be an array of numbers") from None
-
-
-def _finite(values: ArrayLike, columns: int, what: str, limit: float) -> Array:
-    array = _numbers(values, what)
-    if array.size == 0:
-        array = array.reshape(0, columns)
-    if array.ndim != 2 or array.shape[1] != columns:
-        raise InputError(f"{what} must have shape (n_points, {columns}), not {array.shape}")
-    if not (np.abs(array) < limit).all():
-        raise InputError(f"{what} holds a number that is NaN, infinite or above {limit:g}")
-    return array
-
-
-def _distinct(world: Array) -> tuple[Array, IntArray]:
-    """Distinct points, ``(n_corners, 3)``, sorted by z, y, x, and the index of each."""
-    size = float(np.linalg.norm(np.ptp(world, axis=0)))
-    # Adding 0 makes -0 into 0. Rounded numbers only tell points apart; what is kept is as given.
-    rounded = np.round(world / (SAME * size)) + 0.0 if size else np.zeros_like(world)
-    _, first, index = np.unique(rounded[:, ::-1], axis=0, return_index=True, return_inverse=True)
-    return frozen(world[first]), index.reshape(-1).astype(np.intp)
-
-
-def _size(value: float | None, name: str) -> int | None:
-    if value is None:
-        return None
-    if not isinstance(value, numbers.Real):
-        raise InputError(f"image {name} must be a number of px, not {value!r}")
-    if not (1 <= value <= LARGEST_PX and float(value).is_integer()):
-        raise InputError(
-            f"image {name} must be a whole number from 1 to {LARGEST_PX:g} px, not {value:g}"
-        )
-    return int(value)
