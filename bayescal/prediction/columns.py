@@ -8,8 +8,9 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.prediction.changed import Change
-from bayescal.prediction.locate import FEW, SOURCES, Location
+from bayescal.prediction.locate import Location
 from bayescal.prediction.maps import ImageMaps
+from bayescal.prediction.measuring import FEW, SOURCES
 from bayescal.prediction.pairs import Distances
 from bayescal.prediction.predict import Prediction
 from bayescal.prediction.target import QUANTITIES, TargetPose

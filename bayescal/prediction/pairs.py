@@ -17,7 +17,7 @@ from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.calibrated.members import BoolArray
 from bayescal.prediction.given import Surface, checked
-from bayescal.prediction.locate import (
+from bayescal.prediction.measuring import (
     BLOCK,
     FEW,
     PROBABILITY,

@@ -14,7 +14,8 @@ from bayescal.prediction.calibrated.members import Parameters
 from bayescal.prediction.calibrated.polynomial_member import PolynomialMember
 from bayescal.prediction.columns import location_columns, pair_columns
 from bayescal.prediction.given import Surface
-from bayescal.prediction.locate import locate, weighted_quantile
+from bayescal.prediction.locate import locate
+from bayescal.prediction.measuring import weighted_quantile
 from bayescal.prediction.pairs import _expanded, distances
 from bayescal.prediction.predict import predict
 from tests.helpers.cameras import turned_points

@@ -15,7 +15,8 @@ from bayescal.prediction.columns import (
     pair_remarks,
 )
 from bayescal.prediction.given import Surface
-from bayescal.prediction.locate import APART, FEW, SOURCES, Location
+from bayescal.prediction.locate import APART, Location
+from bayescal.prediction.measuring import FEW, SOURCES
 from bayescal.prediction.pairs import Distances
 from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, Column, Table, plain_table
