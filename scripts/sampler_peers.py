@@ -32,7 +32,7 @@ import bayescal as bc
 from bayescal.arrays import Array
 from bayescal.cameras.pinhole import ANCHOR, POSE
 from bayescal.density.pinholes.gaussian import GaussianPinhole
-from bayescal.inference.diagnostics import diagnose
+from bayescal.inference.chains.diagnostics import diagnose
 from bayescal.prior.amplitudes import tau_bounds
 from bayescal.prior.camera import log_normal
 from scripts.validation.families import build, sampled

@@ -11,7 +11,7 @@ from scipy.linalg import block_diag
 
 from bayescal.arrays import Array
 from bayescal.density.robust_linear import RobustLinearModel
-from bayescal.inference.chain import Chain
+from bayescal.inference.chains.chain import Chain
 from bayescal.inference.estimate import EvidenceEstimate
 from bayescal.inference.optimum import Mode
 from bayescal.inference.posterior import summarise

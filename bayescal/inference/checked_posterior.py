@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.chain import Chain
+from bayescal.inference.chains.chain import Chain
 from bayescal.inference.posterior import ParameterSummary, Summarised, summarise
 from bayescal.inference.proposals.proposal import LinearProposal, Proposal
 from bayescal.inference.target import log_prob
@@ -106,7 +106,7 @@ def sample_posterior(
     proposal : Proposal, optional
         By default the closed form, interpolated.
     """
-    from bayescal.inference.sampling import sample
+    from bayescal.inference.chains.sampling import sample
 
     exact = exact if exact is not None else exact_posterior(model)
     to_monomials = model.factors.monomials.lead(model.order).T

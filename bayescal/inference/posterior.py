@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.chain import Chain
+from bayescal.inference.chains.chain import Chain
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.linear.evidence import NEAR_BOUND
 from bayescal.linear.model import LinearModel

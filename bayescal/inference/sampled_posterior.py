@@ -11,7 +11,7 @@ from scipy.special import softmax
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.inference.chain import Chain
+from bayescal.inference.chains.chain import Chain
 from bayescal.inference.estimate import (
     NOTICEABLE,
     EvidenceEstimate,
@@ -198,7 +198,7 @@ def _attempt(
     evidence_draws: int,
 ) -> SampledPosterior:
     """Sample with one proposal, and estimate the evidence with it."""
-    from bayescal.inference.ensembles import sample_ensembles
+    from bayescal.inference.chains.ensembles import sample_ensembles
 
     for_evidence, for_chains = rng.spawn(2)
 

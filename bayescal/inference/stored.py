@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from bayescal.inference.arviz_bridge import Draws
-from bayescal.inference.chain import Chain
+from bayescal.inference.chains.chain import Chain
+from bayescal.inference.chains.diagnostics import Diagnostics
 from bayescal.inference.checked_posterior import CheckedPosterior, posterior_of
-from bayescal.inference.diagnostics import Diagnostics
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.optimum import Mode
 from bayescal.inference.posterior import Posterior, summarise

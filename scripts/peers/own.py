@@ -6,10 +6,10 @@ from functools import partial
 
 import numpy as np
 
+from bayescal.inference.chains.move import IndependenceMove
+from bayescal.inference.chains.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.checked_posterior import sample_posterior
-from bayescal.inference.move import IndependenceMove
 from bayescal.inference.proposals.proposal import LinearProposal
-from bayescal.inference.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.target import log_prob
 from bayescal.linear.closed_form import exact_posterior
 from scripts.peers.posterior import Posterior

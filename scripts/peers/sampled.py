@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.diagnostics import diagnose
+from bayescal.inference.chains.diagnostics import diagnose
 from scripts.peers.posterior import Posterior
 
 RHAT = 1.01

@@ -9,7 +9,7 @@ import numpy as np
 from bayescal.comparison.key import Key
 from bayescal.comparison.store import Store
 from bayescal.inference.arviz_bridge import Draws
-from bayescal.inference.chain import Chain
+from bayescal.inference.chains.chain import Chain
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.stored import unpacked
 from bayescal.inference.target import log_prob

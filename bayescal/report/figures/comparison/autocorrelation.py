@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bayescal.arrays import Array
-from bayescal.inference.diagnostics import autocovariance
+from bayescal.inference.chains.diagnostics import autocovariance
 from bayescal.report.figures.parameters import parameter_symbol
 from bayescal.report.figures.style import CYCLE, DASHES, GREY, PALE, WIDTH, legend_of, one_panel
 from bayescal.report.figures.subject import Subject

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.lean_emcee import Move
+from bayescal.inference.chains.lean_emcee import Move
 from bayescal.inference.proposals.proposal import Proposal
 
 # Proposals don't depend on the state, so they are drawn, and their densities evaluated, for

@@ -8,10 +8,10 @@ from collections.abc import Callable
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.chain import Chain
-from bayescal.inference.diagnostics import autocovariance, diagnose
-from bayescal.inference.lean_emcee import EnsembleSampler, Move, auto_window
-from bayescal.inference.move import IndependenceMove
+from bayescal.inference.chains.chain import Chain
+from bayescal.inference.chains.diagnostics import autocovariance, diagnose
+from bayescal.inference.chains.lean_emcee import EnsembleSampler, Move, auto_window
+from bayescal.inference.chains.move import IndependenceMove
 from bayescal.inference.proposals.proposal import Proposal
 
 WALKERS = 64

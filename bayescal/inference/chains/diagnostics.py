@@ -1,9 +1,9 @@
 """Convergence of chains: rank-normalised split R-hat and effective sample sizes.
 
 As Vehtari, Gelman, Simpson, Carpenter & Buerkner 2021, Bayesian Analysis 16, 667, and as ArviZ
-computes them: its numbers come out to rounding (tests/inference/test_diagnostics.py). ArviZ goes
-through parameters one by one, which takes a quarter of a comparison, and importing it half as long
-as all else; here all parameters of a model are ranked and transformed at once.
+computes them: its numbers come out to rounding (tests/inference/chains/test_diagnostics.py). ArviZ
+goes through parameters one by one, which takes a quarter of a comparison, and importing it half as
+long as all else; here all parameters of a model are ranked and transformed at once.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from bayescal.inference.move import IndependenceMove
+from bayescal.inference.chains.move import IndependenceMove
 
 WALKERS = 50
 STEPS = 600

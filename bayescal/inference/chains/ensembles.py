@@ -14,18 +14,18 @@ from typing import Any
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.inference.chain import Chain
-from bayescal.inference.lean_emcee import DEMove, Move
-from bayescal.inference.move import IndependenceMove
-from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
-from bayescal.inference.proposals.proposal import Proposal
-from bayescal.inference.sampling import (
+from bayescal.inference.chains.chain import Chain
+from bayescal.inference.chains.lean_emcee import DEMove, Move
+from bayescal.inference.chains.move import IndependenceMove
+from bayescal.inference.chains.sampling import (
     BURN_IN,
     MAX_EXTENSIONS,
     further_steps,
     judged,
     quiet_sampler,
 )
+from bayescal.inference.proposals.coordinates import WhitenedProposal, Whitening
+from bayescal.inference.proposals.proposal import Proposal
 
 ENSEMBLES = 4
 WALKERS = 16  # of each at least, and twice the dimension, which a differential move needs

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from bayescal.inference.chains.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.checked_posterior import sample_posterior
-from bayescal.inference.sampling import autocorrelation_time, quiet_sampler
 from bayescal.inference.target import log_prob
 from bayescal.linear.closed_form import exact_posterior
 from tests.helpers.brute_force import mixture_cdf, normal_grid

@@ -13,7 +13,7 @@ from tests.helpers.command import environment
 
 SCRIPT = """
 import sys
-import bayescal.inference.sampling
+import bayescal.inference.chains.sampling
 brought = [name for name in ("scipy.stats", "h5py") if name in sys.modules]
 import emcee, numpy as np
 rng = np.random.default_rng(0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from bayescal.arrays import Array
-from bayescal.inference.diagnostics import Diagnostics
+from bayescal.inference.chains.diagnostics import Diagnostics
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,8 +10,8 @@ import pytest
 from arviz_stats.base import array_stats
 
 from bayescal.arrays import Array
-from bayescal.inference import diagnostics
-from bayescal.inference.diagnostics import Diagnostics, autocovariance, diagnose
+from bayescal.inference.chains import diagnostics
+from bayescal.inference.chains.diagnostics import Diagnostics, autocovariance, diagnose
 
 
 def of_arviz(draws: Array) -> Diagnostics:

@@ -1,0 +1,1 @@
+"""Chains: sampled by emcee, stopped by rule, diagnosed."""
