@@ -19,7 +19,7 @@ from bayescal.calibration.sampled import SampledLens
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.judging import judge_all
-from bayescal.comparison.lenses.caveats import lens_findings
+from bayescal.comparison.lenses.caveats.listed import lens_findings
 from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.gross_errors import gross_errors
 from bayescal.comparison.lenses.judging import judge_lenses, plausible_others

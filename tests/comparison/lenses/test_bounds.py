@@ -10,7 +10,7 @@ import pytest
 import bayescal as bc
 from bayescal.calibration import lens_model
 from bayescal.comparison.findings.bounds import PILE
-from bayescal.comparison.lenses.bound_caveats import LOWEST, lift
+from bayescal.comparison.lenses.caveats.bounds import LOWEST, lift
 from bayescal.comparison.lenses.results import LensComparison
 from tests.helpers import boards
 

@@ -15,11 +15,11 @@ import pytest
 
 import bayescal as bc
 from bayescal.calibration.laplace import Level
+from bayescal.comparison.lenses.caveats.views import points_off
 from bayescal.comparison.lenses.gross_errors import LEVEL, gross_errors, search
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.comparison.lenses.sweep import Sweep
-from bayescal.comparison.lenses.view_caveats import points_off
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.report.terminal import render

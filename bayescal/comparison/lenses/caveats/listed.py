@@ -11,9 +11,8 @@ from scipy.stats import chi2
 from bayescal.calibration.laplace import degrees
 from bayescal.comparison.findings.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import GRAVE
-from bayescal.comparison.lenses.bound_caveats import sigma_bound, tau_bound
-from bayescal.comparison.lenses.results import Evidenced
-from bayescal.comparison.lenses.view_caveats import (
+from bayescal.comparison.lenses.caveats.bounds import sigma_bound, tau_bound
+from bayescal.comparison.lenses.caveats.views import (
     by_place,
     cover,
     drift,
@@ -25,6 +24,7 @@ from bayescal.comparison.lenses.view_caveats import (
     undetermined,
     wider,
 )
+from bayescal.comparison.lenses.results import Evidenced
 from bayescal.rounding import counted
 
 

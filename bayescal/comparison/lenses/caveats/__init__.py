@@ -1,0 +1,1 @@
+"""What stands against a comparison of lenses: of the lenses, the bounds, the views."""
