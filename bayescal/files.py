@@ -110,8 +110,6 @@ def check_folder(folder: Path, kind: FolderKind, *, force: bool = False) -> None
 
     Parameters
     ----------
-    folder : Path
-    kind : FolderKind
     force : bool
         Replace an earlier folder of the kind.
 
@@ -155,7 +153,6 @@ def write_folder(
 
     Parameters
     ----------
-    folder : Path
     kind, force
         As in `check_folder`.
     fill : callable

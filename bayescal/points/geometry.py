@@ -23,10 +23,6 @@ SHOWN = 3
 def odd_geometry(points: Correspondences) -> list[str]:
     """Say what of points and camera nobody would mean, one sentence each.
 
-    Parameters
-    ----------
-    points : Correspondences
-
     Returns
     -------
     list of str

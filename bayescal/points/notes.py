@@ -11,12 +11,7 @@ from bayescal.rounding import counted
 
 
 def point_notes(points: Correspondences) -> list[str]:
-    """Say it, a line each: assumptions, points off the image, or repeated.
-
-    Parameters
-    ----------
-    points : Correspondences
-    """
+    """Say it, a line each: assumptions, points off the image, or repeated."""
     setup = points.setup
     found = list(points.notes)
     if "position" in setup.assumed:

@@ -14,7 +14,6 @@ def named_paths(given: Iterable[str | Path], what: str, example: str) -> list[Pa
 
     Parameters
     ----------
-    given : iterable of str or Path
     what : str
         What they are, in the plural, for messages.
     example : str

@@ -207,10 +207,6 @@ def _normal(key: str) -> str:
 def to_toml(setup: Setup) -> str:
     """Format a setup as TOML text; every number survives the round trip.
 
-    Parameters
-    ----------
-    setup : Setup
-
     Returns
     -------
     str

@@ -13,10 +13,6 @@ from bayescal.points.correspondences import Correspondences
 def to_csv(points: Correspondences) -> str:
     """Format correspondences as CSV text; every number survives the round trip.
 
-    Parameters
-    ----------
-    points : Correspondences
-
     Returns
     -------
     str

@@ -109,21 +109,7 @@ def changed(
     average: bool | None = None,
     seed: int = 0,
 ) -> Change:
-    """Compare two calibrations of one camera.
-
-    Parameters
-    ----------
-    first, second : CalibratedCamera
-    average : bool, optional
-        As in `bayescal.camera`, of both.
-    seed : int, optional
-        Of the pairing of the draws.
-
-    Raises
-    ------
-    InputError
-        Where they are of different cameras, or nothing was calibrated by both.
-    """
+    """Compare two calibrations of one camera; parameters and errors as of `bayescal.changed`."""
     _check(first, second)
     one, two = first.average(average), second.average(average)
     grid = _common(sights(one, image_grid(one, *TESTED)), one, two)

@@ -93,29 +93,7 @@ def locate(
     average: bool | None = None,
     seed: int = 0,
 ) -> Location:
-    """Find what pixels look at, with uncertainty.
-
-    Parameters
-    ----------
-    camera : CalibratedCamera
-    pixels : array_like
-        Measured r, c as recorded, ``(n, 2)``, px.
-    surface : Surface, optional
-        Where the points lie; without it directions are found.
-    average : bool, optional
-        As in `bayescal.camera`.
-    seed : int, optional
-        Of the draws of noise and depth.
-
-    Returns
-    -------
-    Location
-
-    Raises
-    ------
-    InputError
-        Where pixels have another shape, or a number is not finite.
-    """
+    """Find what pixels look at, with uncertainty; parameters and errors as of `bayescal.locate`."""
     measured = checked(pixels, 2, "pixels")
     camera = camera.average(average)
     own = camera.recorded(measured)

@@ -122,14 +122,7 @@ class ImageMaps:
 
 
 def image_maps(camera: CalibratedCamera, *, columns: int = COLUMNS, rows: int = ROWS) -> ImageMaps:
-    """Make the maps of a camera.
-
-    Parameters
-    ----------
-    camera : CalibratedCamera
-    columns, rows : int, optional
-        Of the grid over the image.
-    """
+    """Make the maps of a camera; parameters as of `bayescal.image_maps`."""
     named = _maps(camera, named_pixels(camera), (len(NAMES), 1), None)
     return _maps(camera, image_grid(camera, columns, rows), (rows, columns), named)
 

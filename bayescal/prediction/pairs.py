@@ -90,24 +90,7 @@ def distances(
     average: bool | None = None,
     seed: int = 0,
 ) -> Distances:
-    """Measure distances on a surface between pairs of pixels.
-
-    Parameters
-    ----------
-    camera : CalibratedCamera
-    first, second : array_like
-        Measured r, c of both ends as recorded, ``(n, 2)``, px.
-    surface : Surface
-        Where the points lie.
-    average : bool, optional
-        As in `bayescal.camera`.
-    seed : int, optional
-
-    Raises
-    ------
-    InputError
-        Where there is no surface, or pixels have another shape.
-    """
+    """Measure distances on a surface; parameters and errors as of `bayescal.distances`."""
     if surface is None:
         raise InputError("distances need a depth or a plane: a pixel alone is a direction")
     ends = [checked(first, 2, "first"), checked(second, 2, "second")]

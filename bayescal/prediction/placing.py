@@ -81,7 +81,6 @@ def settle_poses(
 
     Parameters
     ----------
-    member : Member
     theta : Array
         Parameters of each, ``(m, d)``.
     target : Array
@@ -90,7 +89,6 @@ def settle_poses(
         Where each is seen, ``(m, n, 2)`` or ``(1, n, 2)``, px.
     scale : Array
         Sd of the noise of r and of c, ``(2,)``, px.
-    start : Placed
     """
     now = Placed(start.rotation, start.position, _cost(member, theta, target, pixels, scale, start))
     damping, running = np.full(len(theta), FIRST_DAMPING), np.isfinite(now.cost)

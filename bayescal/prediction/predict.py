@@ -91,27 +91,7 @@ class Prediction:
 def predict(
     camera: CalibratedCamera, world: ArrayLike, *, average: bool | None = None
 ) -> Prediction:
-    """Predict pixels of world points, with their uncertainty.
-
-    Parameters
-    ----------
-    camera : CalibratedCamera
-    world : array_like
-        x, y, z, ``(n, 3)``, world units; of a lens without a pose in the camera's frame (x right,
-        y down, z forward).
-    average : bool, optional
-        Over all plausible models, or from the most probable one; by default as the camera says
-        (averaged where the verdict is undecided).
-
-    Returns
-    -------
-    Prediction
-
-    Raises
-    ------
-    InputError
-        Where the points have another shape, or a number is not finite.
-    """
+    """Predict pixels of world points; parameters and errors as of `bayescal.predict`."""
     points = checked(world, 3, "world")
     camera = camera.average(average)
     members, weights = camera.used

@@ -28,7 +28,6 @@ class Propagated:
     ----------
     noise, lens : Array
         ``(6, 6)``, world units and rad.
-    chi2 : float
     p_value : float or None
         Averaged over what is known of the noise; None without degrees of freedom.
     """
@@ -46,14 +45,12 @@ def propagated(
 
     Parameters
     ----------
-    member : Member
     at : Placed
         One pose.
     points : Array
         Of the target, ``(n, 3)``, world units.
     pixels : Array
         Where each is seen, ``(n, 2)``, px.
-    picture : Picture
     seed : int
         Of the simulation that robust noise needs, and noise that neighbours share.
     """

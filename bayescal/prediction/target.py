@@ -123,28 +123,7 @@ def locate_target(
     sigma: float | None = None,
     seed: int = 0,
 ) -> TargetPose:
-    """Find the pose of a known target from one new picture of it.
-
-    Parameters
-    ----------
-    camera : CalibratedCamera
-    target : array_like
-        Points in the target's own frame, ``(n, 3)``, world units; at least four, not on a line.
-    pixels : array_like
-        Measured r, c of each as recorded, ``(n, 2)``, px.
-    average : bool, optional
-        As in `bayescal.camera`.
-    sigma : float, optional
-        Sd of these pixels, px; by default that of the calibration's noise.
-    seed : int, optional
-        Of the noise's draws.
-
-    Raises
-    ------
-    InputError
-        Where arrays have another shape or hold something else, the target has too few points, or
-        no pose puts all of them where the camera can see them.
-    """
+    """Find a target in a new picture; parameters and errors as of `bayescal.locate_target`."""
     points, measured = checked(target, 3, "target"), checked(pixels, 2, "pixels")
     _check(points, measured, sigma)
     camera = camera.average(average)

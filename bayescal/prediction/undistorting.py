@@ -30,12 +30,7 @@ from bayescal.prediction.calibrated.members import BoolArray
 
 @dataclass(frozen=True, eq=False)
 class ChosenCamera:
-    """The mean of a calibrated camera's chosen model, as what takes photographs.
-
-    Attributes
-    ----------
-    camera : CalibratedCamera
-    """
+    """The mean of a calibrated camera's chosen model, as what takes photographs."""
 
     camera: CalibratedCamera
 
@@ -131,6 +126,6 @@ class Undistortion:
 
 
 def undistortion(camera: CalibratedCamera, field: Field = "same") -> Undistortion:
-    """Choose the ideal camera of a calibrated one's most probable model; parameters as above."""
+    """Choose the ideal camera; parameters and errors as of `bayescal.undistortion`."""
     real = ChosenCamera(camera)
     return Undistortion(real, ideal_camera(real, field))

@@ -28,10 +28,8 @@ class Anchors:
 
     Attributes
     ----------
-    modes : tuple of Mode
     held : float
         Share of the proposal that they keep.
-    components : int
     """
 
     modes: tuple[Mode, ...]

@@ -25,7 +25,6 @@ class Lazily(Sequence[Item]):
 
     Parameters
     ----------
-    count : int
     make : callable
         The item at an index from 0.
     """
@@ -85,7 +84,6 @@ def chunk_of(
 
     Parameters
     ----------
-    source : str
     start : int
         Points before the first of these.
     columns : mapping of str to Array

@@ -23,7 +23,6 @@ class Drawn:
 
     Parameters
     ----------
-    rng : numpy.random.Generator
     size : int
         How many are kept.
     """

@@ -36,8 +36,6 @@ class Layout:
         Column of each quantity.
     stated : mapping of str to str or None
         What the user says of columns.
-    separator : str
-    decimal_commas : bool
     marks : int
         Separators of every line.
     numbers_only : bool

@@ -18,7 +18,6 @@ def read_frame(
 
     Parameters
     ----------
-    content : Content
     kind : str
         What the file is, for messages.
     needs : tuple of str

@@ -45,8 +45,6 @@ def match_columns(
 
     Parameters
     ----------
-    table : TextTable
-    columns : Columns
     stated : mapping of str to str, optional
         A column's name or number (from 1) for some quantities, as the user says.
 

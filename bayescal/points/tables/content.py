@@ -43,7 +43,6 @@ def read_file(path: str | Path, what: str, limit: int = LARGEST_TABLE) -> Conten
 
     Parameters
     ----------
-    path : str or Path
     what : str
         What should have been named, for messages.
     limit : int

@@ -20,7 +20,6 @@ def frame_table(frame: Any, name: str, *, first: int = 1, place: str = ", row ")
 
     Parameters
     ----------
-    frame : DataFrame
     name : str
         The source, for messages.
     first : int

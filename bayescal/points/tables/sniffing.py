@@ -38,7 +38,6 @@ class TextTable:
         The source, for messages.
     header : tuple of str
         Names as they stand there; "1", "2", ... where no line names the columns.
-    rows : tuple of Line
     line : int
         Where the header stands.
     named : bool
@@ -79,7 +78,6 @@ def parse_table(
     ----------
     name : str
         The source, for messages.
-    text : str
     names : str
         What the columns should be called, likewise.
     ragged : list of str, optional

@@ -54,8 +54,6 @@ def read_rows(
     ----------
     name : str
         The source, for messages.
-    text : str
-    columns : Columns
     stated : mapping of str to str, optional
         Name or number of the column of some quantities, as the user says.
 

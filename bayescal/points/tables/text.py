@@ -18,7 +18,6 @@ def decode(name: str, raw: bytes) -> str:
     ----------
     name : str
         The file, for messages.
-    raw : bytes
 
     Raises
     ------

@@ -16,12 +16,7 @@ ALIKE = 0.02  # of what all points span: views whose points move by less are of 
 
 
 def view_notes(views: Views) -> list[str]:
-    """Say it: what the reader assumed, and what is odd about the views.
-
-    Parameters
-    ----------
-    views : Views
-    """
+    """Say it: what the reader assumed, and what is odd about the views."""
     found = list(views.notes)
     if views.image_size is not None:
         found += _off(views, *views.image_size)

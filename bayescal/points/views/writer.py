@@ -16,7 +16,6 @@ def views_to_csv(views: Views, comments: Sequence[str] = ()) -> str:
 
     Parameters
     ----------
-    views : Views
     comments : sequence of str
         Lines to stand above the header.
     """

@@ -24,7 +24,6 @@ def absorbed_turns(lens: Lens, intrinsics: Array, k: Array, rays: Array, pixels:
 
     Parameters
     ----------
-    lens : Lens
     intrinsics, k : Array
         Of each draw, ``(m, 4)``, px, and ``(m, K)``.
     rays, pixels : Array

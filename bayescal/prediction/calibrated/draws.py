@@ -104,7 +104,6 @@ def new_noise(
         ``(n_draws, 2)``.
     eta : Array
         ``(n_draws, 2, dimension)``.
-    model : NoiseModel
     deviations : tuple of Array or None
         The points' own deviations of r and of c, ``(n_points,)``, px.
     """

@@ -29,8 +29,6 @@ class LensMember:
 
     Attributes
     ----------
-    name : str
-    lens_name : str
     lens_options : dict
         As `bayescal.cameras.lenses.lens_named` takes them.
     turn : Array or None
@@ -39,8 +37,6 @@ class LensMember:
         A world point among those calibrated with, ``(3,)``; None without a place in the world.
     hull : Array
         Corners of the calibration pixels' hull, ``(m, 2)``, px.
-    parameters : Parameters
-    noise : NewNoise
     """
 
     name: str

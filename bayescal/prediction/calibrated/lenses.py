@@ -67,7 +67,6 @@ def lens_member(
         ln fx, ln fy, cx, cy, coefficients, ``(n_draws, d)``.
     hull : Array
         Of the calibration pixels, px.
-    noise : NewNoise
     seen : Array
         Some of the calibration pixels, ``(n, 2)``, px: what the poses hold to.
     reference : sequence of LensMember

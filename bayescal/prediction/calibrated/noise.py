@@ -108,7 +108,6 @@ def mixture_quantiles(
         ``(m, n)``, px.
     weights : Array
         ``(m,)``.
-    probability : float
     """
     own = np.array([np.interp(probability, f, GRID) for f in distributions])
     each = centres + scales * own[:, None]

@@ -36,9 +36,6 @@ class PolynomialMember(PolynomialMap):
         Camera position where it is exact, ``(3,)``.
     side : float
         1 or -1: the sign of z less the camera's, of points in front of it.
-    name : str
-    parameters : Parameters
-    noise : NewNoise
     """
 
     position: Array | None

@@ -49,10 +49,6 @@ def keep_camera(camera: CalibratedCamera, path: str | Path, *, force: bool = Fal
 def load_camera(path: str | Path) -> CalibratedCamera:
     """Read a calibrated camera that `keep_camera`, or a run, wrote.
 
-    Parameters
-    ----------
-    path : str or Path
-
     Returns
     -------
     CalibratedCamera

@@ -41,7 +41,6 @@ def read_arrays(name: str, raw: bytes, wanted: Callable[[str], bool]) -> dict[st
     ----------
     name : str
         The file, for messages.
-    raw : bytes
     wanted : callable
         Told the name of an array, says whether it is needed; others are not looked at.
 

@@ -204,15 +204,12 @@ def assembled(
 
     Parameters
     ----------
-    source : Source
-    seen : list of Seen
     size : tuple
         Image width and height, px, or None.
     notes : tuple of str
         What the format's reader has to say.
     sigma : list of Array, optional
         How the points' deviations compare, ``(n_i,)`` each.
-    sha256 : str
 
     Raises
     ------

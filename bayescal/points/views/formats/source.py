@@ -18,7 +18,6 @@ class Source:
     ----------
     name : str
         For messages.
-    raw : bytes
     path : Path or None
         None for standard input.
     board : Board or None
