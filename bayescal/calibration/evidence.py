@@ -23,7 +23,7 @@ SLACK = 1.0  # nat: a posterior's mean may lie lower than where a step begins
 NEAR = 0.01  # posterior deviations: a step this short leaves a reference that is settled
 COMPONENTS, COVERED = 40, 0.999  # of the mixture; share of the mass they hold
 DRAWS = 2000
-CORRECTED = 100  # draws at which an expansion is corrected
+CORRECTED = 50  # draws at which an expansion is corrected
 NEAR_SHARE = 0.05  # of the evidence, root mean square: an expansion that lacks more is of no use
 
 
@@ -42,6 +42,8 @@ def settled(problem: Problem) -> Problem:
     for _ in range(SETTLE_STEPS):
         found = problem.laplace_over(prior)
         step, sd = found.mean, np.sqrt(np.diag(found.covariance))
+        if np.abs(step / sd).max() < 1:
+            prior = prior.only(found.likely)
         for _ in range(HALVINGS):
             moved = problem.moved(step)
             new = height(moved)

@@ -167,8 +167,11 @@ class Observations:
         Array
             ``(n_views, n_target, ...)``, 0 where a view lacks the point.
         """
-        view, place = np.nonzero(self.seen)
         out = np.zeros((len(values), len(self.target), *values.shape[2:]))
+        if self.alike:
+            out[:, self.which[0]] = values
+            return out
+        view, place = np.nonzero(self.seen)
         out[view, self.which[view, place]] = values[view, place]
         return out
 

@@ -35,7 +35,7 @@ def start_fit(model: LensModel, data: Observations) -> Fit:
     if not tried:
         return Fit(np.zeros(model.dimension), _nowhere(data), math.inf, False)
     best = min(tried, key=lambda f: f.sum_of_squares)
-    return least_squares(model, data, best.x, best.poses)
+    return best if best.converged else least_squares(model, data, best.x, best.poses)
 
 
 def _starts(model: LensModel, data: Observations) -> list[Fit]:

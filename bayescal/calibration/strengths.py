@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -42,6 +43,7 @@ class Strengths:
         )
 
 
+@lru_cache(maxsize=64)
 def strengths(model: LensModel, nodes: int | None = None) -> Strengths:
     """Nodes of tau for a lens model's groups; so many of each, by default as is accurate."""
     mean = np.zeros(model.dimension)

@@ -28,6 +28,7 @@ SMALLEST = 1e-30
 # residuals that a model fits far below the lowest sigma get there.
 TINY = 1e-290
 TERMS, ROUNDED = 60, 1e-17
+NEGLIGIBLE = 40.0  # nat: what is so far below another adds nothing to it
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,12 @@ class Strength:
         lower, upper = self.log_bounds
         near = first <= a  # differences of the smaller tail keep their digits
         more, less = np.empty(len(q)), np.empty(len(q))
-        more[near], less[near] = _log_lower(a, last[near]), _log_lower(a, first[near])
+        more[near] = _log_lower(a, last[near])
+        # P(a, v) <= v^a / Gamma(a + 1): far below the other tail it need not be known.
+        most = a * np.log(first[near]) - float(gammaln(a + 1))
+        some = near.copy()
+        some[near] = most > more[near] - NEGLIGIBLE
+        less[near], less[some] = -np.inf, _log_lower(a, first[some])
         more[~near], less[~near] = _log_upper(a, first[~near]), _log_upper(a, last[~near])
         mass = more + np.log1p(-np.exp(less - more))
         constant = -a * LOG_2PI + a * math.log(2) + float(gammaln(a))

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,16 @@ class View:
 
     def rays(self, pixels: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Give unit rays ``(n, 3)`` and whether each was found, ``(n,)``."""
+        key = pixels.tobytes()  # the same pixels are asked for with every other lens
+        if key not in self._known:
+            self._known[key] = self._found(pixels)
+        return self._known[key]
+
+    @cached_property
+    def _known(self) -> dict[bytes, tuple[Array, NDArray[np.bool_]]]:
+        return {}
+
+    def _found(self, pixels: Array) -> tuple[Array, NDArray[np.bool_]]:
         intrinsics, k, _ = self.model.physical(self.x)
         found = self.model.lens.undistort((pixels - intrinsics[2:]) / intrinsics[:2], k)
         return found.rays, found.found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -112,7 +113,7 @@ class JudgedLens(Judged, convert.Converts):
         values = problem.model.report(problem.x, problem.data.diagonal)
         return convert.normal_moments(names, values, np.sqrt(matrix.diagonal()))
 
-    @property
+    @cached_property
     def view(self) -> View:
         """The lens at its mode, as predictions are made with it."""
         return View(self.evidence.problem.model, self.evidence.problem.x)
