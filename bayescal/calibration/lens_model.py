@@ -191,33 +191,36 @@ class LensModel:
         power = self._powers
         return np.asarray(fx[..., None] ** (power - 1) / self.radius**power)
 
-    def by_coordinate(self, x: Array, by_intrinsics: Array, by_k: Array) -> Array:
-        """Chain rule: derivatives by the coordinates but bow, ``(..., n, 2, dimension)``.
+    def by_coordinate(self, x: Array, stretch: Array, weight: Array, by_k: Array) -> Array:
+        """Chain rule: weighted derivatives by the coordinates, those of bow 0, ``(..., 2, d)``.
 
         Parameters
         ----------
         x : Array
             ``(dimension,)``.
-        by_intrinsics : Array
-            By fx, fy, cx, cy, ``(..., 4)``.
+        stretch : Array
+            By the logs of fx (of r) and fy (of c), ``(..., 2)``.
+        weight : Array
+            By cx (of r) and cy (of c), ``(..., 2)``.
         by_k : Array
-            ``(..., n_coefficients)``.
+            ``(..., 2, n_coefficients)``.
         """
-        (fx, fy, _, _), k, _ = self.physical(x)
-        by_log_f = by_intrinsics[..., 0] * fx + by_intrinsics[..., 1] * fy
+        (fx, *_), k, _ = self.physical(x)
         follows = k * (self._powers - 1)
         scale = self._scale(np.asarray(fx))
         for j, bounds in self._shapes:
             y = x[self._n_intrinsics + j]
             follows[j], scale[j] = 0.0, _shape_slope(y, bounds)
-        by_log_f = by_log_f + by_k @ follows
-        parts = [by_log_f[..., None]]
+        out = np.zeros((*by_k.shape[:-1], self.dimension))
+        out[..., 0] = stretch + by_k @ follows
+        at = 1
         if not self.square:
-            parts.append(by_intrinsics[..., 1:2] * fy)
+            out[..., 1, 1], at = stretch[..., 1], 2
         if not self.centred:
-            parts.append(by_intrinsics[..., 2:])
-        parts.append(by_k * scale)
-        return np.concatenate(parts, axis=-1)
+            out[..., 0, at], out[..., 1, at + 1] = weight[..., 0], weight[..., 1]
+        at = self._n_intrinsics
+        np.multiply(by_k, scale, out=out[..., at : at + by_k.shape[-1]])
+        return out
 
 
 def _shape(y: Array, bounds: tuple[float, float]) -> Array:

@@ -119,7 +119,7 @@ def reduce(
         Share of its diagonal that is added to each pose's precision.
     """
     v, n, _, d = stack.by_lens.shape
-    columns = np.concatenate([stack.by_pose, stack.by_lens, stack.residuals[..., None]], axis=-1)
+    columns = stack.columns
     flat = columns.reshape(v, n, -1)  # both axes side by side: the noise mixes places, not axes
     weighted = shared.apply(flat).reshape(columns.shape)
     gram = _across(columns.reshape(v, 2 * n, -1), weighted.reshape(v, 2 * n, -1))

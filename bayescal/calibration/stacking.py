@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +78,11 @@ class Stacked:
     by_target: Array
     possible: bool
 
+    @cached_property
+    def columns(self) -> Array:
+        """Derivatives by pose and by lens, then the residuals, ``(n_views, n_places, 2, ...)``."""
+        return np.concatenate([self.by_pose, self.by_lens, self.residuals[..., None]], axis=-1)
+
 
 def bowl(data: Observations, at: Array) -> Array:
     """Shape of the bow at x, y of the target: 1 - x^2 and 1 - y^2, x, y scaled to -1..1."""
@@ -150,29 +156,22 @@ def stacked(model: LensModel, data: Observations, x: Array, poses: Poses) -> Sta
         found = model.lens.jacobian(flat, k)
         visible = model.lens.seen(flat, k).reshape(rays.shape[:-1])
     shape = rays.shape[:2]
-    plane = found.plane.reshape(*shape, 2)
-    scale = intrinsics[:2]
-    weight = data.weight
-    misfit = (data.pixels - intrinsics[2:] - scale * plane) * weight
-    here = data.seen[..., None, None]
-    slope = scale[:, None] * found.by_ray.reshape(*shape, 2, 3) * weight[..., None]
-    slope = np.where(here, slope, 0.0)
+    scale, centre, weight = intrinsics[:2], intrinsics[2:], data.weight
+    plane, gain = scale * found.plane.reshape(*shape, 2), (scale * weight)[..., None]
+    misfit = (data.pixels - centre - plane) * weight
+    slope = found.by_ray.reshape(*shape, 2, 3) * gain
+    by_k = found.by_coefficient.reshape(*shape, 2, -1) * gain
+    by_lens = model.by_coordinate(x, plane * weight, weight, by_k)
+    possible = bool((visible | ~data.seen).all())
+    if not data.complete:
+        misfit[~data.seen], slope[~data.seen], by_lens[~data.seen] = 0.0, 0.0, 0.0
     turned = rays - poses.translation[:, None]
-    by_turn = -slope @ cross_matrices(turned)
-    by_intrinsics = np.zeros((*shape, 2, 4))
-    for axis in (0, 1):
-        by_intrinsics[..., axis, axis] = plane[..., axis] * weight[..., axis]
-        by_intrinsics[..., axis, 2 + axis] = weight[..., axis]
-    by_k = scale[:, None] * found.by_coefficient.reshape(*shape, 2, -1) * weight[..., None]
-    by_lens = model.by_coordinate(x, by_intrinsics, by_k)
-    by_target = slope @ poses.rotation[:, None]
+    by_pose = np.concatenate([-slope @ cross_matrices(turned), slope], axis=-1)
+    by_target = (slope.reshape(len(slope), -1, 3) @ poses.rotation).reshape(slope.shape)
     if model.bow:
-        by_bow = by_target[..., 2, None] * bowl(data, data.world)[..., None, :]
-        by_lens = np.concatenate([by_lens, by_bow], axis=-1)
-    misfit = np.where(data.seen[..., None], misfit, 0.0)
-    by_lens = np.where(here, by_lens, 0.0)
-    possible = bool((visible | ~data.seen).all() and np.isfinite(misfit).all())
-    return Stacked(misfit, by_lens, np.concatenate([by_turn, slope], axis=-1), by_target, possible)
+        by_lens[..., -2:] = by_target[..., 2, None] * bowl(data, data.world)[..., None, :]
+    possible = possible and bool(np.isfinite(misfit).all())
+    return Stacked(misfit, by_lens, by_pose, by_target, possible)
 
 
 def pose_slopes(model: LensModel, data: Observations, x: Array, poses: Poses) -> Array:

@@ -74,13 +74,9 @@ class View:
         intrinsics, k, _ = self.model.physical(self.x)
         found = self.model.lens.jacobian(points, k)
         by_point = intrinsics[:2, None] * found.by_ray
-        by_intrinsics = np.zeros((len(points), 2, 4))
-        by_intrinsics[:, [0, 1], [0, 1]] = found.plane
-        by_intrinsics[:, [0, 1], [2, 3]] = 1.0
         by_k = intrinsics[:2, None] * found.by_coefficient
-        by_lens = self.model.by_coordinate(self.x, by_intrinsics, by_k)
-        rest = self.model.dimension - by_lens.shape[2]
-        by_lens = np.concatenate([by_lens, np.zeros((len(points), 2, rest))], axis=2)
+        stretch = intrinsics[:2] * found.plane
+        by_lens = self.model.by_coordinate(self.x, stretch, np.ones_like(stretch), by_k)
         by_move = -by_point @ cross_matrices(points)
         return by_lens, np.concatenate([by_move, by_point], axis=2) if shift else by_move
 
