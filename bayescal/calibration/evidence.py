@@ -42,8 +42,7 @@ def settled(problem: Problem) -> Problem:
     for _ in range(SETTLE_STEPS):
         found = problem.laplace_over(prior)
         step, sd = found.mean, np.sqrt(np.diag(found.covariance))
-        if np.abs(step / sd).max() < 1:
-            prior = prior.only(found.likely)
+        far = float(np.abs(step / sd).max())
         for _ in range(HALVINGS):
             moved = problem.moved(step)
             new = height(moved)
@@ -53,7 +52,10 @@ def settled(problem: Problem) -> Problem:
         else:
             break
         problem, highest = moved, new
-        if np.abs(step / sd).max() < NEAR:
+        if far < 1:
+            prior = prior.only(found.likely)
+            problem.__dict__["likely_strengths"] = prior
+        if far < NEAR:
             break
     return problem
 

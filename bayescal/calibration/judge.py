@@ -11,7 +11,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
-from bayescal.calibration.error_grid import INDEPENDENT, Averaged, ErrorGrid, Node, follow
+from bayescal.calibration.error_grid import Averaged, ErrorGrid, Node, follow
 from bayescal.calibration.error_model import Geometry, Shared
 from bayescal.calibration.evidence import height, settled, weighed
 from bayescal.calibration.expansion import Expansion, expanded, near
@@ -21,7 +21,6 @@ from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import Sums, eliminate_independent, reduce
 from bayescal.calibration.stacking import Poses
-from bayescal.calibration.strengths import COARSE, strengths
 from bayescal.inference.estimate import EvidenceEstimate
 
 TURNS = 4  # of the most probable error model and its mode at most
@@ -176,12 +175,8 @@ class _Comparer:
 
     def __init__(self, reference: Problem, setting: Setting) -> None:
         self.reference, self.setting = reference, setting
-        self.prior = strengths(reference.model, COARSE)
         self.sums = lru_cache(maxsize=KEPT)(self._sums)
-        (found,) = self._integrated((INDEPENDENT,))
-        # Those left out would add nearly the same share to every error model.
-        self.prior = self.prior.only(found.likely)
-        self._known = {INDEPENDENT: found.log_evidence}
+        self._known: dict[Node, float] = {}
 
     def _sums(self, correlated: int, length: int) -> tuple[Shared, Sums]:
         geometry, grid = self.setting.geometry, self.setting.grid
@@ -216,4 +211,6 @@ class _Comparer:
         gram, log_det = eliminate_independent(sums, sds)
         fixed = constant(data, log_det, np.array([s.log_det for s in shared]))
         forms = Forms.of(gram, np.full(len(nodes), degrees(data)), fixed)
-        return laplace(forms, self.reference.x, self.prior, setting.level)
+        # Strengths left out would add nearly the same share to every error model.
+        prior = self.reference.likely_strengths
+        return laplace(forms, self.reference.x, prior, setting.level)

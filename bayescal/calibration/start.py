@@ -19,7 +19,7 @@ from bayescal.calibration.stacking import Poses, residuals
 
 FOCAL_LENGTHS = np.geomspace(0.2, 5.0, 14)  # widths
 TRIED = 3  # focal lengths whose fits are followed to the end
-FEW_STEPS = 12
+FEW_STEPS = 6
 
 
 def start_fit(model: LensModel, data: Observations) -> Fit:
