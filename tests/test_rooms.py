@@ -1,7 +1,8 @@
-"""The rooms of the house: which may import from which, and that no modules import in a circle.
+"""The rooms of the house: which may import from which, and that nothing imports in a circle.
 
 Truth: the order below. Every import, those for type checking and inside functions included, goes
-to the same room or to one that stands before it; and from no module do imports lead back to it.
+to the same room or to one that stands before it; and from no module do imports lead back to it,
+nor from any room within a room.
 """
 
 from __future__ import annotations
@@ -92,16 +93,49 @@ def circles(imports: dict[str, set[str]]) -> list[list[str]]:
 
 def module(path: Path) -> str:
     """Name of the module of a file."""
-    return ".".join(("bayescal", *path.relative_to(ROOT).with_suffix("").parts))
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(("bayescal", *(part for part in parts if part != "__init__")))
 
 
-def test_no_modules_import_in_a_circle() -> None:
+@pytest.fixture(scope="module")
+def imports() -> dict[str, set[str]]:
+    """Modules of the package that each of them imports."""
     names = {module(path) for path in FILES}
-    imports = {
-        module(path): names.intersection(imported(path.read_text("utf-8"))) for path in FILES
-    }
-    assert sum(map(len, imports.values())) > len(names)  # imports were found
+    found = {module(path): names.intersection(imported(path.read_text("utf-8"))) for path in FILES}
+    assert sum(map(len, found.values())) > len(names)
+    return found
+
+
+def test_no_modules_import_in_a_circle(imports: dict[str, set[str]]) -> None:
     assert circles(imports) == []
+
+
+def parts(room: str, imports: dict[str, set[str]]) -> dict[str, set[str]]:
+    """Which parts of a room, its modules and the rooms in it, import which others of it."""
+    found: dict[str, set[str]] = {}
+    for name, others in imports.items():
+        inside = [n.removeprefix(f"{room}.") for n in (name, *others) if n.startswith(f"{room}.")]
+        if name.startswith(f"{room}."):
+            own, *rest = (n.split(".")[0] for n in inside)
+            found.setdefault(own, set()).update(set(rest) - {own})
+    return found
+
+
+@pytest.mark.parametrize("room", sorted({module(path.parent / "__init__.py") for path in FILES}))
+def test_no_rooms_within_a_room_import_in_a_circle(room, imports):
+    assert circles(parts(room, imports)) == []
+
+
+def test_rooms_that_import_in_a_circle_are_found() -> None:
+    """Negative control: no two modules import each other, but their rooms do."""
+    imports = {
+        "bayescal.a.low.one": set(),
+        "bayescal.a.low.two": {"bayescal.a.high.one"},
+        "bayescal.a.high.one": set(),
+        "bayescal.a.high.two": {"bayescal.a.low.one"},
+    }
+    assert circles(imports) == []
+    assert circles(parts("bayescal.a", imports)) == [["high", "low"]]
 
 
 def test_a_circle_is_found() -> None:

@@ -25,7 +25,7 @@ from bayescal.calibration.observations import Observations
 from bayescal.calibration.reduction import Reduced, Views, eliminate, pose_response, reduce
 from bayescal.calibration.stacking import Poses, Stacked, pose_slopes, residuals, stacked
 from bayescal.calibration.strengths import COARSE, Strengths, strengths
-from bayescal.inference.proposals.t_mixture import cholesky
+from bayescal.inference.t_mixture import cholesky
 from bayescal.prior.strength import Strength
 
 AT_A_TIME = 50_000  # numbers of residuals

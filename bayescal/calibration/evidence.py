@@ -15,7 +15,7 @@ from bayescal.calibration.strengths import COARSE, strengths
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.optimum import Mode
 from bayescal.inference.proposals.laplace_mixture import mixture_about
-from bayescal.inference.proposals.t_mixture import TMixture, cholesky
+from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import resampled
 
 SETTLE_STEPS, HALVINGS = 20, 6

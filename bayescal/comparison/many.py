@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from bayescal.comparison.defence.stability import BEYOND
 from bayescal.comparison.orders.averaging import USUAL
+from bayescal.comparison.orders.beyond import BEYOND
 from bayescal.comparison.settings import HIGHEST_ORDER, Settings
 from bayescal.linear.reduction import Reduction
 from bayescal.points.chunks.drawn import Drawn

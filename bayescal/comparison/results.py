@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison.criteria.goodness import ReferenceSigma
-from bayescal.comparison.face import ByAxis, Recommends
+from bayescal.comparison.faces.face import ByAxis, Recommends
+from bayescal.comparison.faces.frames import orders_frame
 from bayescal.comparison.findings.surroundings import another_model
-from bayescal.comparison.frames import orders_frame
 from bayescal.comparison.orders.averaging import AveragedPrediction
 from bayescal.comparison.orders.result import OrderResult as OrderResult
 from bayescal.comparison.orders.verdict import AxisVerdict

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
-from bayescal.comparison.findings.finding import Finding, ordered
+from bayescal.comparison.finding import Finding, ordered
 from bayescal.markup import bullets, paragraph
 from bayescal.rounding import counted, percent
 

@@ -12,7 +12,7 @@ from bayescal.cameras.direct_linear import direct_linear
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.moving_axis import MovingAxis
 from bayescal.inference.optimum import Mode
-from bayescal.inference.proposals.t_mixture import cholesky
+from bayescal.inference.t_mixture import cholesky
 from bayescal.prior.camera import PositionPrior
 
 NEWTON = 3

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from bayescal.arrays import LOG_2PI, Array
-from bayescal.inference.proposals.t_mixture import cholesky
+from bayescal.inference.t_mixture import cholesky
 
 LogDensity = Callable[[Array], Array]
 

@@ -22,8 +22,8 @@ from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.posterior import Summarised, summarise
 from bayescal.inference.proposals.adaptation import Adapted, adapt, refine
 from bayescal.inference.proposals.coordinates import Whitening
-from bayescal.inference.proposals.t_mixture import TMixture, cholesky
 from bayescal.inference.sampled_model import SampledModel
+from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import drawn
 
 EVIDENCE_DRAWS = 20_000

@@ -10,8 +10,8 @@ from scipy.special import softmax
 
 from bayescal.arrays import Array
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
-from bayescal.inference.proposals.t_mixture import TMixture
 from bayescal.inference.sampled_model import SampledModel
+from bayescal.inference.t_mixture import TMixture
 
 
 @dataclass(frozen=True, eq=False)

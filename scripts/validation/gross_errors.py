@@ -15,7 +15,7 @@ from bayescal.arrays import Array
 from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.proposals.adaptation import adapt
-from bayescal.inference.proposals.t_mixture import TMixture, cholesky
+from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.linear.evidence import log_evidences
 from bayescal.linear.quadrature import COARSE
 from bayescal.linear.reweighting import Rows

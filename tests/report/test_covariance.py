@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.convert import Converts
+from bayescal.comparison.faces.convert import Converts
 from bayescal.report.numbers import correlation_of
 from bayescal.report.runs import kind_of
 

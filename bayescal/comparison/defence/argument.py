@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 
 from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.defence.results import Defence, Prediction
-from bayescal.comparison.defence.stability import Beyond, Removal
+from bayescal.comparison.defence.stability import Removal
+from bayescal.comparison.finding import limits
 from bayescal.comparison.findings.beyond_range import beyond_range
-from bayescal.comparison.findings.finding import limits
+from bayescal.comparison.orders.beyond import Beyond
 from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.rounding import counted, percent, significant
 from bayescal.rounding import grouped as digits

@@ -21,16 +21,9 @@ from bayescal.comparison.defence.parts import closed_forms, group_elpd, models_o
 from bayescal.comparison.defence.prediction import predictions, worth
 from bayescal.comparison.defence.results import Defence
 from bayescal.comparison.defence.sensitivity import tau_sensitivity
-from bayescal.comparison.defence.stability import (
-    Beyond,
-    Removal,
-    beyond,
-    beyond_of,
-    orders_beyond,
-    removals,
-    without_groups,
-)
+from bayescal.comparison.defence.stability import Removal, removals, without_groups
 from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.beyond import Beyond, beyond, beyond_of, orders_beyond
 from bayescal.comparison.orders.candidates import RobustOrder
 from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.orders.verdict import AxisVerdict

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from bayescal.comparison.evidence import strength
-from bayescal.comparison.findings.finding import limits
+from bayescal.comparison.finding import limits
 from bayescal.comparison.judged import Weighed
 from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.orders.candidates import order_of

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut, TotalLeaveOneOut
 from bayescal.comparison.defence.sensitivity import TauSensitivity
-from bayescal.comparison.defence.stability import Beyond, Bootstrap, Removal
+from bayescal.comparison.defence.stability import Bootstrap, Removal
 from bayescal.comparison.judged import Weighed
+from bayescal.comparison.orders.beyond import Beyond
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,14 +13,9 @@ from bayescal.comparison.criteria.leave_one_out import TotalLeaveOneOut
 from bayescal.comparison.criteria.leaving import Leaving
 from bayescal.comparison.defence.results import Defence, Prediction
 from bayescal.comparison.defence.sensitivity import tau_sensitivity
-from bayescal.comparison.defence.stability import (
-    RESAMPLES,
-    Removal,
-    beyond,
-    bootstrap_of,
-    removals,
-)
+from bayescal.comparison.defence.stability import RESAMPLES, Removal, bootstrap_of, removals
 from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.beyond import beyond
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.linear.evidence import log_evidences
 from bayescal.linear.quadrature import FINE

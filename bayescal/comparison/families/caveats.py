@@ -11,8 +11,8 @@ from bayescal.arrays import Array
 from bayescal.comparison.adequacy.outcome import AdequacyTest
 from bayescal.comparison.criteria.leave_one_out import paired_difference
 from bayescal.comparison.families.result import JointModel
+from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.bounds import PILE
-from bayescal.comparison.findings.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import GRAVE, concerning, rejected
 from bayescal.comparison.key import FREE, PINHOLE, STATED
 from bayescal.density.pinholes.pinhole import PinholeModel

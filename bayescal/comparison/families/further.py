@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 from bayescal.comparison.families.candidates.joint import Gaussian
 from bayescal.comparison.families.result import JointModel
-from bayescal.comparison.findings.finding import Finding, overturns
+from bayescal.comparison.finding import Finding, overturns
 from bayescal.comparison.key import PINHOLE
 from bayescal.errors import InputError
 

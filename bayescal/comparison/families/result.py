@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.comparison.convert import Converts, Held, moments
+from bayescal.comparison.faces.convert import Converts, Held, moments
 from bayescal.comparison.judged import Judged
 
 if TYPE_CHECKING:  # the hint in a comparison of orders samples nothing

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.face import Recommends
+from bayescal.comparison.faces.face import Recommends
+from bayescal.comparison.faces.frames import models_frame
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.verdict import FamilyVerdict
-from bayescal.comparison.frames import models_frame
 from bayescal.markup import bullets
 from bayescal.points.correspondences import Correspondences
 

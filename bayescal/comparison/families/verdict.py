@@ -10,7 +10,7 @@ from scipy.special import logsumexp
 
 from bayescal.comparison.evidence import plausible_set, strength
 from bayescal.comparison.families.result import JointModel
-from bayescal.comparison.findings.finding import Finding, ordered
+from bayescal.comparison.finding import Finding, ordered
 from bayescal.comparison.judged import log_weights
 from bayescal.comparison.key import FREE, Key
 from bayescal.comparison.verdict import Verdict

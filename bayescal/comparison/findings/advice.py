@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from bayescal.comparison.findings.finding import Finding
+from bayescal.comparison.finding import Finding
 
 OTHER_MODELS = "bayescal compare --family separable,bivariate,pinhole --position stated,free"
 # By the beginning of a finding's kind.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bayescal.comparison.defence.stability import Beyond
 from bayescal.comparison.evidence import PLAUSIBLE
-from bayescal.comparison.findings.finding import Finding, overturns
+from bayescal.comparison.finding import Finding, overturns
+from bayescal.comparison.orders.beyond import Beyond
 from bayescal.rounding import percent
 
 

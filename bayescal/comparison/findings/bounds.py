@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.case import Case
-from bayescal.comparison.findings.finding import Finding, limits, overturns
 from bayescal.linear.evidence import NEAR_BOUND
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.rounding import significant

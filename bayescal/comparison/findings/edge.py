@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from bayescal.comparison.defence.stability import beyond
+from bayescal.comparison.finding import Finding
 from bayescal.comparison.findings.beyond_range import beyond_range
 from bayescal.comparison.findings.case import Case
-from bayescal.comparison.findings.finding import Finding
+from bayescal.comparison.orders.beyond import beyond
 
 
 def edge(case: Case) -> Iterator[Finding]:

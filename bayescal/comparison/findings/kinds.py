@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from bayescal.comparison.finding import Finding, ordered
 from bayescal.comparison.findings.bounds import at_bounds
 from bayescal.comparison.findings.case import Case
 from bayescal.comparison.findings.edge import edge
-from bayescal.comparison.findings.finding import Finding, ordered
 from bayescal.comparison.findings.misfit import misfit
 from bayescal.comparison.findings.sampling import sampled, sampling
 from bayescal.comparison.findings.surroundings import geometry

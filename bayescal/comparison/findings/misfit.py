@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from bayescal.comparison.adequacy.outcome import GROUPS, AdequacyTest, concerns
+from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.case import Case
-from bayescal.comparison.findings.finding import Finding, limits, overturns
 
 # An adjusted p-value below which nothing is decided.
 GRAVE = 0.01

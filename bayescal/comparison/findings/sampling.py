@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.case import Case
-from bayescal.comparison.findings.finding import Finding, limits, overturns
 
 # Posterior mean of the bad fraction above which "bad" is no exception.
 MANY_BAD = 0.35

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from bayescal.comparison.finding import Finding, wrong_model
 from bayescal.comparison.findings.case import Case
-from bayescal.comparison.findings.finding import Finding, wrong_model
 
 
 def geometry(case: Case) -> Iterator[Finding]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from bayescal.comparison.evidence import plausible_set, strength
-from bayescal.comparison.findings.finding import Finding, ordered
+from bayescal.comparison.finding import Finding, ordered
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.comparison.lenses.verdict import TOLERANCE, LensVerdict
 from bayescal.rounding import significant

@@ -23,7 +23,7 @@ from bayescal.arrays import Array
 from bayescal.calibration.lens_model import LensModel
 from bayescal.calibration.observations import Observations
 from bayescal.cameras.pose import cross_matrices, rotations
-from bayescal.inference.proposals.t_mixture import cholesky
+from bayescal.inference.t_mixture import cholesky
 
 SAMPLE = 400  # observed points that fix the turn
 COLUMNS, ROWS = 25, 19  # of the grid over the image

@@ -16,8 +16,8 @@ from bayescal.calibration.error_model import ErrorModel
 from bayescal.calibration.judge import LensEvidence, Setting
 from bayescal.calibration.least_squares import Fit
 from bayescal.calibration.lens_model import LensModel
-from bayescal.comparison import convert
-from bayescal.comparison.frames import lenses_frame
+from bayescal.comparison.faces import convert
+from bayescal.comparison.faces.frames import lenses_frame
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.gross_error import GrossError

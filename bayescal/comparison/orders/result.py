@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bayescal.comparison import convert
 from bayescal.comparison.criteria.goodness import GoodnessOfFit
 from bayescal.comparison.criteria.information import Criteria
+from bayescal.comparison.faces import convert
 from bayescal.comparison.judged import Judged
 from bayescal.inference.posterior import ParameterSummary, Posterior
 from bayescal.linear.closed_form import ExactPosterior

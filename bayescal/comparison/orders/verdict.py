@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.evidence import plausible_set, strength
-from bayescal.comparison.findings.finding import Finding, ordered
+from bayescal.comparison.finding import Finding, ordered
 from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.orders.sufficiency import Sufficiency
 from bayescal.comparison.verdict import Verdict

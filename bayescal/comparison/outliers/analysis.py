@@ -14,7 +14,7 @@ from bayescal.comparison.adequacy.block import adequacy
 from bayescal.comparison.adequacy.normality import NAME as NORMALITY
 from bayescal.comparison.criteria.information import criteria
 from bayescal.comparison.families.hint import Stated, decisively_better
-from bayescal.comparison.findings.finding import ordered
+from bayescal.comparison.finding import ordered
 from bayescal.comparison.findings.misfit import concerning
 from bayescal.comparison.findings.surroundings import another_model
 from bayescal.comparison.judged import Judged, with_probabilities

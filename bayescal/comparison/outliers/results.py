@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.face import ByAxis, Recommends
-from bayescal.comparison.findings.finding import Finding
-from bayescal.comparison.frames import bad_points_frame, treatments_frame
+from bayescal.comparison.faces.face import ByAxis, Recommends
+from bayescal.comparison.faces.frames import bad_points_frame, treatments_frame
+from bayescal.comparison.finding import Finding
 from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.outliers.records import Elimination, PointRecord
 from bayescal.comparison.outliers.shared_errors import SharedError

@@ -23,8 +23,8 @@ from scipy.special import logsumexp
 from bayescal.arrays import Array
 from bayescal.inference.optimum import LogDensity, Mode
 from bayescal.inference.proposals.anchors import DOF, INFLATED, Anchors
-from bayescal.inference.proposals.t_mixture import TMixture, cholesky
 from bayescal.inference.proposals.tempering import effective_fraction, moments, tempered
+from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import resampled
 
 ROUNDS = 12

@@ -9,7 +9,7 @@ from scipy.special import softmax
 
 from bayescal.arrays import Array
 from bayescal.inference.optimum import Mode
-from bayescal.inference.proposals.t_mixture import TMixture
+from bayescal.inference.t_mixture import TMixture
 
 COMPONENTS = 9
 DOF, BROAD_DOF = 8.0, 3.0  # while adapting; the final tails are chosen

@@ -7,7 +7,7 @@ from scipy.special import logsumexp
 
 from bayescal.arrays import Array
 from bayescal.inference.optimum import Mode
-from bayescal.inference.proposals.t_mixture import TMixture, cholesky
+from bayescal.inference.t_mixture import TMixture, cholesky
 
 DOF, BROAD_DOF = 25.0, 3.0
 INFLATED = 1.05  # over the Laplace approximation, in deviations

@@ -12,8 +12,8 @@ from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from bayescal.arrays import finite
-from bayescal.comparison.convert import Converts
-from bayescal.comparison.findings.finding import Finding
+from bayescal.comparison.faces.convert import Converts
+from bayescal.comparison.finding import Finding
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.heading import Heading

@@ -113,7 +113,7 @@ KIND = ComparisonKind()
 
 def axes_draws(models: Mapping[str, OrderResult]) -> dict[str, Draws]:
     """Arrange the draws of orders of axes for those who know nothing of bayescal."""
-    from bayescal.comparison.convert import kept_groups, order_held
+    from bayescal.comparison.faces.convert import kept_groups, order_held
     from bayescal.inference.stored import packed
 
     found = {}

@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from bayescal.comparison.convert import kept_groups
+from bayescal.comparison.faces.convert import kept_groups
 from bayescal.comparison.families.analysis import compare_joint
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.result import JointModel

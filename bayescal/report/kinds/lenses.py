@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
-from bayescal.comparison.convert import Converts
+from bayescal.comparison.faces.convert import Converts
 from bayescal.comparison.lenses.analysis import compare_lenses
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import LensComparison

@@ -7,7 +7,7 @@ import io
 from collections.abc import Mapping
 from math import isnan
 
-from bayescal.comparison.convert import Converts
+from bayescal.comparison.faces.convert import Converts
 from bayescal.report.numbers import correlation_of
 
 COVARIANCE = "covariance.csv"

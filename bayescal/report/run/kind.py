@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
-from bayescal.comparison.convert import Converts
+from bayescal.comparison.faces.convert import Converts
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
 from bayescal.files import FolderKind, check_folder, write_folder

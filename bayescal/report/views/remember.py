@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from bayescal.comparison.finding import ordered
 from bayescal.comparison.findings.advice import next_step
-from bayescal.comparison.findings.finding import ordered
 from bayescal.comparison.verdict import Verdict
 from bayescal.report.blocks import Listing, Part
 from bayescal.rounding import percent

@@ -13,12 +13,12 @@ import pytest
 
 from bayescal.comparison.criteria.leave_one_out import leave_one_out
 from bayescal.comparison.defence.stability import (
-    beyond,
     bootstrap,
     joint_probabilities,
     removals,
     without_groups,
 )
+from bayescal.comparison.orders.beyond import beyond
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.noise.level import NoiseLevel
 from tests.helpers.cases import all_but, curve, refitted_evidence

@@ -8,7 +8,7 @@ import pytest
 from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.verdict import judge_families
-from bayescal.comparison.findings.finding import limits
+from bayescal.comparison.finding import limits
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.key import Key
 from bayescal.comparison.orders.weak import weak_combinations

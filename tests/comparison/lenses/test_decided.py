@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.findings.finding import limits
+from bayescal.comparison.finding import limits
 from bayescal.comparison.lenses.judging import judge_lenses
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.fleets.record import Record

@@ -13,7 +13,7 @@ from scipy.special import softmax
 
 from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.evidence import plausible_set, probabilities, strength
-from bayescal.comparison.findings.finding import limits, overturns, wrong_model
+from bayescal.comparison.finding import limits, overturns, wrong_model
 from bayescal.comparison.orders.sufficiency import Difference, Sufficiency
 from bayescal.comparison.orders.verdict import judge
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bayescal.comparison.findings.finding import limits, overturns
+from bayescal.comparison.finding import limits, overturns
 from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.report.views.remember import remembered
 

@@ -39,10 +39,10 @@ from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.optimum import Mode, find_modes
 from bayescal.inference.proposals.adaptation import adapt
 from bayescal.inference.proposals.laplace_mixture import mixture_about
-from bayescal.inference.proposals.t_mixture import TMixture
 from bayescal.inference.proposals.tempering import effective_fraction
 from bayescal.inference.sampled_model import SampledModel
 from bayescal.inference.sampled_posterior import FITTED, Guess, SampledPosterior, sample_model
+from bayescal.inference.t_mixture import TMixture
 from bayescal.inference.weighting import WeightedDraws, drawn, weigh
 from bayescal.points.correspondences import Correspondences
 from bayescal.prior.camera import position_prior

@@ -8,8 +8,8 @@ from bayescal.arrays import Array
 from bayescal.calibration.density import Problem
 from bayescal.calibration.laplace import SIGMA_BOUNDS
 from bayescal.calibration.lens_model import Group
+from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.bounds import PILE
-from bayescal.comparison.findings.finding import Finding, limits, overturns
 from bayescal.comparison.lenses.results import Evidenced, JudgedLens
 from bayescal.prior.strength import Strength
 from bayescal.rounding import significant

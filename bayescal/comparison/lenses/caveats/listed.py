@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from bayescal.calibration.laplace import degrees
-from bayescal.comparison.findings.finding import Finding, limits, overturns
+from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import GRAVE
 from bayescal.comparison.lenses.caveats.bounds import sigma_bound, tau_bound
 from bayescal.comparison.lenses.caveats.views import (

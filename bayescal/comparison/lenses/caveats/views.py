@@ -11,7 +11,7 @@ from scipy.spatial import ConvexHull, QhullError
 from scipy.stats import ttest_1samp
 
 from bayescal.calibration.laplace import degrees
-from bayescal.comparison.findings.finding import Finding, limits, overturns
+from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import BECAUSE, GRAVE
 from bayescal.comparison.lenses.gross_errors import MOST
 from bayescal.comparison.lenses.results import Evidenced

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from bayescal.comparison.defence.parts import stability_of
+from bayescal.comparison.alone import stability_of
 from bayescal.errors import InputError
 from bayescal.report.figures.style import BLUE, ORANGE, PALE, WIDTH, legend_of, one_panel
 from bayescal.report.figures.subject import Subject

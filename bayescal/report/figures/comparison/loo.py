@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from bayescal.comparison.defence.parts import prediction_of
+from bayescal.comparison.alone import prediction_of
 from bayescal.comparison.defence.results import Prediction
 from bayescal.errors import InputError
 from bayescal.report.figures.style import BLUE, GREY, VERMILLION, WIDTH, legend_of, one_panel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from bayescal.comparison.convert import Converts
+from bayescal.comparison.faces.convert import Converts
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.report.blocks import (
     Answer,

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.convert import pointwise
+from bayescal.comparison.faces.convert import pointwise
 from bayescal.comparison.results import Comparison
 from bayescal.inference.arviz_bridge import psis_loo
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.comparison.defence.parts import prediction_of, stability_of
+from bayescal.comparison.alone import prediction_of, stability_of
 from bayescal.comparison.results import Comparison
 
 

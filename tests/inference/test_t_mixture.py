@@ -7,7 +7,7 @@ import pytest
 from scipy.special import logsumexp
 from scipy.stats import kstest, multivariate_t, t
 
-from bayescal.inference.proposals.t_mixture import TMixture, cholesky
+from bayescal.inference.t_mixture import TMixture, cholesky
 
 ROOTS = np.array([[[1.0, 0.0], [0.5, 2.0]], [[0.1, 0.0], [-0.3, 0.2]]])
 MIXTURE = TMixture(

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from bayescal.comparison.convert import Converts
+from bayescal.comparison.faces.convert import Converts
 
 if TYPE_CHECKING:  # pandas is imported where somebody asks for it
     import pandas as pd
