@@ -16,6 +16,8 @@ from bayescal.arrays import Array
 DIRECTION = 1e-13
 # How far any integral may be off.
 OFF = 1e-11
+# Random combinations of the functions that are looked at first, and those that must be redundant.
+FEW, SPARE = 64, 8
 
 
 def fewest_nodes(functions: Array, weights: Array) -> Array:
@@ -35,8 +37,7 @@ def fewest_nodes(functions: Array, weights: Array) -> Array:
     """
     root = np.sqrt(weights)
     scaled = functions / (functions @ weights)[:, None] * root
-    _, sizes, directions = np.linalg.svd(scaled, full_matrices=False)
-    directions = directions[sizes > DIRECTION * sizes[0]]
+    directions = _directions(scaled)
     try:
         found, _ = nnls(directions, directions @ root)
     except RuntimeError:  # it did not converge
@@ -44,3 +45,20 @@ def fewest_nodes(functions: Array, weights: Array) -> Array:
     if float(np.abs(scaled @ found - 1).max()) > OFF:
         return weights
     return np.asarray(found * root)
+
+
+def _directions(functions: Array) -> Array:
+    """Orthonormal functions of which all others are made, ``(rank, n_nodes)``.
+
+    Smooth functions have far fewer than there are of them, and as many random combinations and
+    some more span them (Halko, Martinsson & Tropp 2011, SIAM Rev. 53, 217).
+    """
+    rng, count = np.random.default_rng(0), FEW
+    while True:
+        few = count < len(functions)
+        rows = rng.standard_normal((count, len(functions))) @ functions if few else functions
+        _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
+        found = directions[sizes > DIRECTION * sizes[0]]
+        if not few or len(found) <= count - SPARE:
+            return np.asarray(found)
+        count *= 2

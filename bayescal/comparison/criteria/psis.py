@@ -62,16 +62,17 @@ class Draws:
 
 
 def sampled_leave_one_out(
-    drawn: Drawn, left_out: LeftOut, without: Without | None = None
+    drawn: Drawn, left_out: LeftOut, without: Without | None = None, numbers: int = NUMBERS
 ) -> LeaveOneOut | None:
     """Leave each unit out by the weights of the draws.
 
     Where a unit's weights have a heavy tail, its term comes from the evidence `without` it, if
     that can be computed, and that of all is certain: ln p(t_i | the others) = ln Z - ln Z_-i.
-    None where the units are too many, too few, or the draws can't tell of one.
+    None where the units are too many, too few, or the draws can't tell of one. At most so many
+    log densities are looked at: `numbers` of them.
     """
     units = left_out(drawn.completed[:1]).shape[1]
-    draws = thinned(drawn.completed, units)
+    draws = thinned(drawn.completed, units, numbers)
     if draws is None or units < 2:
         return None
     density = _densities(left_out, draws, units)
@@ -155,12 +156,12 @@ def of_both(r: LeaveOneOut, c: LeaveOneOut) -> LeaveOneOut:
     )
 
 
-def thinned(draws: Array, units: int) -> Array | None:
+def thinned(draws: Array, units: int, numbers: int = NUMBERS) -> Array | None:
     """Every so many of the draws, ``(n, ...)``: enough, and so few that all units fit into memory.
 
     None where fewer than 400 would.
     """
-    room = NUMBERS // units
+    room = numbers // units
     if room < FEWEST_DRAWS:
         return None
     enough = draws[:: max(1, len(draws) // ENOUGH)]
