@@ -23,11 +23,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.calibration.evidence import proposal, settled
-from bayescal.calibration.expansion import near
-from bayescal.calibration.laplace import degrees
-from bayescal.calibration.sampled import SampledLens
-from bayescal.calibration.stacking import residuals
+from bayescal.calibration.fitting.stacking import residuals
+from bayescal.calibration.judging.evidence import proposal, settled
+from bayescal.calibration.judging.expansion import near
+from bayescal.calibration.judging.laplace import degrees
+from bayescal.calibration.judging.sampled import SampledLens
 from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.points.views.views import Views
 from scripts.benchmark import spent

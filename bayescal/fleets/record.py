@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bayescal.calibration.laplace import degrees
+from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import bayescal as bc
-from bayescal.calibration.density import Problem
-from bayescal.calibration.free_points import FreePoints
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.free_points import FreePoints
 from bayescal.comparison.lenses.gross_errors import LEVEL
 from scripts.validation.sections import of_each, options_of, publish
 from scripts.validation.simulated_boards import Errors, Truth, views_of

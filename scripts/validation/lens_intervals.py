@@ -11,9 +11,9 @@ import numpy as np
 from scipy.stats import kstest
 
 from bayescal.arrays import Array
-from bayescal.calibration.averaging import ErrorAverage
-from bayescal.calibration.laplace import INFERRED
-from bayescal.calibration.sampled import SampledLens
+from bayescal.calibration.judging.averaging import ErrorAverage
+from bayescal.calibration.judging.laplace import INFERRED
+from bayescal.calibration.judging.sampled import SampledLens
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.prediction import (
     View,

@@ -10,11 +10,11 @@ import numpy as np
 from scipy.special import logsumexp, softmax
 
 from bayescal.arrays import Array
-from bayescal.calibration.averaging import ErrorAverage
-from bayescal.calibration.evidence import DRAWS as IMPORTANCE
-from bayescal.calibration.laplace import INFERRED
-from bayescal.calibration.least_squares import rms
-from bayescal.calibration.sampled import SampledLens
+from bayescal.calibration.fitting.least_squares import rms
+from bayescal.calibration.judging.averaging import ErrorAverage
+from bayescal.calibration.judging.evidence import DRAWS as IMPORTANCE
+from bayescal.calibration.judging.laplace import INFERRED
+from bayescal.calibration.judging.sampled import SampledLens
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import JudgedLens

@@ -10,9 +10,9 @@ import numpy as np
 from scipy.special import softmax
 
 from bayescal.arrays import Array
-from bayescal.calibration.averaging import ErrorAverage
-from bayescal.calibration.judge import Setting
-from bayescal.calibration.laplace import INFERRED
+from bayescal.calibration.judging.averaging import ErrorAverage
+from bayescal.calibration.judging.judge import Setting
+from bayescal.calibration.judging.laplace import INFERRED
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import JudgedLens

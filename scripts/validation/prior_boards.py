@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.error_model import Geometry
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.stacking import Poses
+from bayescal.calibration.fitting.stacking import Poses
+from bayescal.calibration.model.error_model import Geometry
+from bayescal.calibration.model.observations import Observations
 from bayescal.cameras.lenses import lens_named
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.points.views.views import Views

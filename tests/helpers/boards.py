@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.least_squares import Fit, carried, least_squares
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.start import start_fit
+from bayescal.calibration.fitting.least_squares import Fit, carried, least_squares
+from bayescal.calibration.fitting.start import start_fit
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 from bayescal.cameras.lenses import lens_named
 
 SIZE = (640.0, 480.0)

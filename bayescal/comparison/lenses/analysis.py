@@ -11,11 +11,11 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.calibration.averaging import ErrorAverage
-from bayescal.calibration.evidence import proposal
-from bayescal.calibration.judge import Setting
-from bayescal.calibration.laplace import Level, degrees
-from bayescal.calibration.sampled import SampledLens
+from bayescal.calibration.judging.averaging import ErrorAverage
+from bayescal.calibration.judging.evidence import proposal
+from bayescal.calibration.judging.judge import Setting
+from bayescal.calibration.judging.laplace import Level, degrees
+from bayescal.calibration.judging.sampled import SampledLens
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.judging import judge_all

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.model.lens_model import LensModel
 from bayescal.cameras.lenses import LENSES, Lens, lens_named
 from bayescal.cameras.lenses.radial import radial
 from bayescal.comparison.key import Key

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from functools import partial
 
 from bayescal.arrays import LOG_2PI
-from bayescal.calibration.error_grid import Node
-from bayescal.calibration.judge import LensEvidence, Setting, Weighed, lens_evidence
-from bayescal.calibration.least_squares import Fit, rms
-from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.fitting.least_squares import Fit, rms
+from bayescal.calibration.judging.judge import LensEvidence, Setting, Weighed, lens_evidence
+from bayescal.calibration.model.error_grid import Node
+from bayescal.calibration.model.lens_model import LensModel
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.comparison.settings import Settings

@@ -13,11 +13,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from bayescal.calibration.density import Problem
-from bayescal.calibration.error_model import Geometry
-from bayescal.calibration.free_points import FreePoint, FreePoints
-from bayescal.calibration.judge import LensEvidence, Setting, lens_evidence
-from bayescal.calibration.least_squares import Fit, least_squares
+from bayescal.calibration.fitting.least_squares import Fit, least_squares
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.free_points import FreePoint, FreePoints
+from bayescal.calibration.judging.judge import LensEvidence, Setting, lens_evidence
+from bayescal.calibration.model.error_model import Geometry
 from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.points.views.views import Views

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
-from bayescal.calibration.density import Problem
-from bayescal.calibration.laplace import LOG_POSE, Forms, degrees, laplace
-from bayescal.calibration.reduction import eliminate
-from bayescal.calibration.strengths import strengths
+from bayescal.calibration.fitting.reduction import eliminate
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.laplace import LOG_POSE, Forms, degrees, laplace
+from bayescal.calibration.model.strengths import strengths
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 
 REFITS = 4  # Gauss-Newton steps at most

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from bayescal.arrays import Array, finite
-from bayescal.calibration.observations import Observations
+from bayescal.calibration.model.observations import Observations
 from bayescal.comparison.lenses.left_out import jackknife
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import (

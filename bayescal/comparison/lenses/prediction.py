@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from scipy.spatial import Delaunay, QhullError
 
 from bayescal.arrays import Array
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 from bayescal.cameras.pose import cross_matrices, rotations
 from bayescal.inference.t_mixture import cholesky
 

@@ -11,11 +11,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem
-from bayescal.calibration.error_model import ErrorModel
-from bayescal.calibration.judge import LensEvidence, Setting
-from bayescal.calibration.least_squares import Fit
-from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.fitting.least_squares import Fit
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.judge import LensEvidence, Setting
+from bayescal.calibration.model.error_model import ErrorModel
+from bayescal.calibration.model.lens_model import LensModel
 from bayescal.comparison.faces import convert
 from bayescal.comparison.faces.frames import lenses_frame
 from bayescal.comparison.judged import Judged

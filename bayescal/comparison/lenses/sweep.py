@@ -8,14 +8,14 @@ from dataclasses import replace
 from functools import cached_property, partial
 
 from bayescal.arrays import Array
-from bayescal.calibration.error_grid import INDEPENDENT
-from bayescal.calibration.judge import Setting
-from bayescal.calibration.laplace import Level
-from bayescal.calibration.least_squares import Fit, carried, least_squares
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.start import start_fit
-from bayescal.calibration.view_levels import view_levels
+from bayescal.calibration.fitting.least_squares import Fit, carried, least_squares
+from bayescal.calibration.fitting.start import start_fit
+from bayescal.calibration.fitting.view_levels import view_levels
+from bayescal.calibration.judging.judge import Setting
+from bayescal.calibration.judging.laplace import Level
+from bayescal.calibration.model.error_grid import INDEPENDENT
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 from bayescal.comparison.lenses.candidates import (
     LARGEST_FISHEYE,
     LARGEST_RADIAL,

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.averaging import ErrorAverage
-from bayescal.calibration.laplace import degrees
+from bayescal.calibration.judging.averaging import ErrorAverage
+from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.prediction.calibrated.camera import CalibratedCamera, normalised
 from bayescal.prediction.calibrated.draws import thinned

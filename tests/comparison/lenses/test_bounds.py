@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.calibration import lens_model
+from bayescal.calibration.model import lens_model
 from bayescal.comparison.findings.bounds import PILE
 from bayescal.comparison.lenses.caveats.bounds import LOWEST, lift
 from bayescal.comparison.lenses.results import LensComparison

@@ -9,7 +9,7 @@ import pytest
 from scipy.special import softmax
 
 import bayescal as bc
-from bayescal.calibration.evidence import weighed
+from bayescal.calibration.judging.evidence import weighed
 from bayescal.comparison.lenses.candidates import named_candidates
 from bayescal.comparison.lenses.left_out import jackknife, leave_views_out, refitted
 from bayescal.comparison.lenses.results import LensComparison

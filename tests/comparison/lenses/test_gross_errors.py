@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.calibration.laplace import Level
+from bayescal.calibration.judging.laplace import Level
 from bayescal.comparison.lenses.caveats.views import points_off
 from bayescal.comparison.lenses.gross_errors import LEVEL, gross_errors, search
 from bayescal.comparison.lenses.request import LensRequest

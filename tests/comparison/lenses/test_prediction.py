@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.model.lens_model import LensModel
 from bayescal.cameras.lenses import lens_named
 from bayescal.cameras.pose import rotations
 from bayescal.comparison.lenses.prediction import (

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from bayescal.calibration.laplace import INFERRED
-from bayescal.calibration.least_squares import rms
+from bayescal.calibration.fitting.least_squares import rms
+from bayescal.calibration.judging.laplace import INFERRED
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.sweep import Sweep
 from scripts.validation.simulated_boards import Errors, Truth, views_of

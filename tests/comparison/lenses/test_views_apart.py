@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.view_levels import view_levels
+from bayescal.calibration.fitting.view_levels import view_levels
+from bayescal.calibration.model.observations import Observations
 from bayescal.points.views.views import Views
 from tests.helpers import boards
 

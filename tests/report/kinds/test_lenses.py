@@ -14,7 +14,8 @@ import numpy as np
 import pytest
 
 import bayescal as bc
-from bayescal.calibration import judge, least_squares
+from bayescal.calibration.fitting import least_squares
+from bayescal.calibration.judging import judge
 from bayescal.comparison.lenses import fitted, left_out
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.points.heading import Heading

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem
-from bayescal.calibration.laplace import SIGMA_BOUNDS
-from bayescal.calibration.lens_model import Group
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.laplace import SIGMA_BOUNDS
+from bayescal.calibration.model.lens_model import Group
 from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.bounds import PILE
 from bayescal.comparison.lenses.results import Evidenced, JudgedLens

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.stats import chi2
 
-from bayescal.calibration.laplace import degrees
+from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import GRAVE
 from bayescal.comparison.lenses.caveats.bounds import sigma_bound, tau_bound

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 from scipy.stats import ttest_1samp
 
-from bayescal.calibration.laplace import degrees
+from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import BECAUSE, GRAVE
 from bayescal.comparison.lenses.gross_errors import MOST

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bayescal.arrays import Array
-from bayescal.calibration.stacking import bowl
+from bayescal.calibration.fitting.stacking import bowl
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.errors import InputError
 from bayescal.report.figures.comparison.image import arrow_scale, key_length

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from bayescal.calibration.error_model import ErrorModel
-from bayescal.calibration.laplace import degrees
+from bayescal.calibration.judging.laplace import degrees
+from bayescal.calibration.model.error_model import ErrorModel
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.comparison.orders.weak import correlation, weak_lines
 from bayescal.report.views.lenses.tables import SHOWN

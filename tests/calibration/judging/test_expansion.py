@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from bayescal.calibration.density import Problem
-from bayescal.calibration.error_model import WHITE, ErrorModel, Geometry
-from bayescal.calibration.evidence import proposal, settled, weighed
-from bayescal.calibration.expansion import NEAR, Expansion, Terms, expanded
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.reduction import eliminate, eliminate_independent, reduce
-from bayescal.calibration.stacking import pose_slopes, stacked
-from tests.calibration.test_evidence import covariance_of_everything
+from bayescal.calibration.fitting.reduction import eliminate, eliminate_independent, reduce
+from bayescal.calibration.fitting.stacking import pose_slopes, stacked
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.evidence import proposal, settled, weighed
+from bayescal.calibration.judging.expansion import NEAR, Expansion, Terms, expanded
+from bayescal.calibration.model.error_model import WHITE, ErrorModel, Geometry
+from bayescal.calibration.model.observations import Observations
+from tests.calibration.judging.test_evidence import covariance_of_everything
 from tests.helpers import boards
 
 UNIT = 1 / 400

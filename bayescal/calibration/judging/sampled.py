@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem
-from bayescal.calibration.expansion import Expansion
-from bayescal.calibration.laplace import SIGMA_BOUNDS, degrees
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.expansion import Expansion
+from bayescal.calibration.judging.laplace import SIGMA_BOUNDS, degrees
 from bayescal.prior.strength import Strength
 
 

@@ -10,17 +10,17 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem
-from bayescal.calibration.error_grid import Averaged, ErrorGrid, Node, follow
-from bayescal.calibration.error_model import Geometry, Shared
-from bayescal.calibration.evidence import height, settled, weighed
-from bayescal.calibration.expansion import Expansion, expanded, near
-from bayescal.calibration.laplace import Forms, Laplace, Level, constant, degrees, laplace
-from bayescal.calibration.least_squares import Fit, with_bow
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.reduction import Sums, eliminate_independent, reduce
-from bayescal.calibration.stacking import Poses
+from bayescal.calibration.fitting.least_squares import Fit, with_bow
+from bayescal.calibration.fitting.reduction import Sums, eliminate_independent, reduce
+from bayescal.calibration.fitting.stacking import Poses
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.evidence import height, settled, weighed
+from bayescal.calibration.judging.expansion import Expansion, expanded, near
+from bayescal.calibration.judging.laplace import Forms, Laplace, Level, constant, degrees, laplace
+from bayescal.calibration.model.error_grid import Averaged, ErrorGrid, Node, follow
+from bayescal.calibration.model.error_model import Geometry, Shared
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 from bayescal.inference.estimate import EvidenceEstimate
 
 TURNS = 4  # of the most probable error model and its mode at most

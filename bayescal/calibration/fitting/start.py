@@ -12,10 +12,10 @@ import math
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.least_squares import Fit, least_squares
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.stacking import Poses, residuals
+from bayescal.calibration.fitting.least_squares import Fit, least_squares
+from bayescal.calibration.fitting.stacking import Poses, residuals
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 
 FOCAL_LENGTHS = np.geomspace(0.2, 5.0, 14)  # widths
 TRIED = 3  # focal lengths whose fits are followed to the end

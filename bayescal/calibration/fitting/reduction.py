@@ -20,9 +20,9 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from bayescal.arrays import Array, IntArray
-from bayescal.calibration.error_model import Shared
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.stacking import Stacked
+from bayescal.calibration.fitting.stacking import Stacked
+from bayescal.calibration.model.error_model import Shared
+from bayescal.calibration.model.observations import Observations
 
 
 @dataclass(frozen=True, eq=False)

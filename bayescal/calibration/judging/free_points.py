@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem
-from bayescal.calibration.laplace import SIGMA_BOUNDS, degrees
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.laplace import SIGMA_BOUNDS, degrees
 
 LEAST_FREE = 1e-6  # of a residual's variance: with less the point is needed to place its view
 LARGEST = 50_000_000  # numbers of derivatives by the target's offsets: 400 MB

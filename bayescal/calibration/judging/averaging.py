@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
-from bayescal.calibration.density import Problem
-from bayescal.calibration.error_grid import Node
-from bayescal.calibration.evidence import drawn, settled
-from bayescal.calibration.expansion import Expansion
-from bayescal.calibration.judge import LensEvidence, Setting
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.evidence import drawn, settled
+from bayescal.calibration.judging.expansion import Expansion
+from bayescal.calibration.judging.judge import LensEvidence, Setting
+from bayescal.calibration.model.error_grid import Node
 from bayescal.inference.weighting import resampled
 
 FEWEST = 20  # draws at a time from an error model: fewer can't be picked by their weights

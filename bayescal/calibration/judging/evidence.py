@@ -9,9 +9,9 @@ import numpy as np
 from scipy.special import logsumexp, softmax
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem
-from bayescal.calibration.expansion import Expansion
-from bayescal.calibration.strengths import COARSE, strengths
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.expansion import Expansion
+from bayescal.calibration.model.strengths import COARSE, strengths
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.optimum import Mode
 from bayescal.inference.proposals.laplace_mixture import mixture_about

@@ -20,8 +20,8 @@ import numpy as np
 from scipy.special import gammaln
 
 from bayescal.arrays import LOG_2PI, Array, IntArray
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.strengths import Strengths
+from bayescal.calibration.model.observations import Observations
+from bayescal.calibration.model.strengths import Strengths
 from bayescal.prior.strength import Strength
 
 SIGMA_BOUNDS = (0.01, 10.0)  # px

@@ -12,11 +12,11 @@ import pytest
 from scipy.stats import chi2, f
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem
-from bayescal.calibration.error_model import WHITE, ErrorModel
-from bayescal.calibration.free_points import FreePoints
-from bayescal.calibration.laplace import Level
-from tests.calibration.test_evidence import EVERYTHING, settled_problem
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.free_points import FreePoints
+from bayescal.calibration.judging.laplace import Level
+from bayescal.calibration.model.error_model import WHITE, ErrorModel
+from tests.calibration.judging.test_evidence import EVERYTHING, settled_problem
 
 VIEWS, AT = 4, ((0, 0), (2, 20), (2, 21))
 ERRORS = [WHITE, ErrorModel(0.5, 0.2), EVERYTHING]

@@ -8,8 +8,8 @@ import pytest
 
 import bayescal as bc
 from bayescal.arrays import Array
-from bayescal.calibration.laplace import INFERRED
-from bayescal.calibration.least_squares import rms
+from bayescal.calibration.fitting.least_squares import rms
+from bayescal.calibration.judging.laplace import INFERRED
 from bayescal.cameras.lenses.fisheye import Fisheye
 from bayescal.comparison.lenses.fitted import FittedLens
 from bayescal.comparison.lenses.request import LensRequest

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from bayescal.arrays import LOG_2PI, Array, IntArray
-from bayescal.calibration.lens_model import LensModel
+from bayescal.calibration.model.lens_model import LensModel
 
 NODES = {1: 16, 2: 16, 3: 9}  # a group, by the number of groups
 FEWEST = 5

@@ -12,14 +12,21 @@ from scipy.special import logsumexp
 from scipy.stats import multivariate_normal
 
 from bayescal.arrays import Array
-from bayescal.calibration import laplace as laplace_module
-from bayescal.calibration.density import Problem
-from bayescal.calibration.error_model import WHITE, ErrorModel, Geometry
-from bayescal.calibration.evidence import proposal, settled, weighed
-from bayescal.calibration.laplace import LOG_POSE, SIGMA_BOUNDS, Forms, Level, degrees, laplace
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.stacking import residuals
-from bayescal.calibration.strengths import Strengths, strengths
+from bayescal.calibration.fitting.stacking import residuals
+from bayescal.calibration.judging import laplace as laplace_module
+from bayescal.calibration.judging.density import Problem
+from bayescal.calibration.judging.evidence import proposal, settled, weighed
+from bayescal.calibration.judging.laplace import (
+    LOG_POSE,
+    SIGMA_BOUNDS,
+    Forms,
+    Level,
+    degrees,
+    laplace,
+)
+from bayescal.calibration.model.error_model import WHITE, ErrorModel, Geometry
+from bayescal.calibration.model.observations import Observations
+from bayescal.calibration.model.strengths import Strengths, strengths
 from bayescal.prior.strength import Strength
 from tests.helpers import boards
 

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.least_squares import Fit, least_squares
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.stacking import residuals
-from bayescal.calibration.start import start_fit
+from bayescal.calibration.fitting.least_squares import Fit, least_squares
+from bayescal.calibration.fitting.stacking import residuals
+from bayescal.calibration.fitting.start import start_fit
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 
 TURNS = 3  # of fit and levels: a loud view pulls at the first fit as strongly as the others
 SHARED = 4.0  # values that every view is given at the common level: a view of few points is near it

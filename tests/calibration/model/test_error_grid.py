@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from bayescal.calibration.error_grid import ErrorGrid, Node, follow
-from bayescal.calibration.error_model import ErrorModel, Geometry
-from bayescal.calibration.observations import Observations
+from bayescal.calibration.model.error_grid import ErrorGrid, Node, follow
+from bayescal.calibration.model.error_model import ErrorModel, Geometry
+from bayescal.calibration.model.observations import Observations
 from tests.helpers import boards
 
 GRIDS = [

@@ -18,13 +18,21 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array, IntArray
-from bayescal.calibration.error_model import Shared
-from bayescal.calibration.laplace import INFERRED, Forms, Laplace, Level, constant, degrees, laplace
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.reduction import Reduced, Views, eliminate, pose_response, reduce
-from bayescal.calibration.stacking import Poses, Stacked, pose_slopes, residuals, stacked
-from bayescal.calibration.strengths import COARSE, Strengths, strengths
+from bayescal.calibration.fitting.reduction import Reduced, Views, eliminate, pose_response, reduce
+from bayescal.calibration.fitting.stacking import Poses, Stacked, pose_slopes, residuals, stacked
+from bayescal.calibration.judging.laplace import (
+    INFERRED,
+    Forms,
+    Laplace,
+    Level,
+    constant,
+    degrees,
+    laplace,
+)
+from bayescal.calibration.model.error_model import Shared
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
+from bayescal.calibration.model.strengths import COARSE, Strengths, strengths
 from bayescal.inference.t_mixture import cholesky
 from bayescal.prior.strength import Strength
 

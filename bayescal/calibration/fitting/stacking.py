@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bayescal.arrays import Array, IntArray
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 from bayescal.cameras.pose import cross_matrices, rotations
 
 

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
-from bayescal.calibration.least_squares import cost, rms
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.stacking import stacked
-from bayescal.calibration.start import start_fit
+from bayescal.calibration.fitting.least_squares import cost, rms
+from bayescal.calibration.fitting.stacking import stacked
+from bayescal.calibration.fitting.start import start_fit
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 from bayescal.cameras.lenses import lens_named
 from tests.helpers import boards
 

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from bayescal.arrays import Array, IntArray, frozen
-from bayescal.calibration.observations import Observations
+from bayescal.calibration.model.observations import Observations
 
 SMOOTH_LENGTH = 0.25  # diagonals
 KEPT = 20_000_000  # numbers of covariances kept, 160 MB

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from bayescal.calibration.evidence import weighed
-from bayescal.calibration.laplace import INFERRED, semidefinite
+from bayescal.calibration.judging.evidence import weighed
+from bayescal.calibration.judging.laplace import INFERRED, semidefinite
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.sweep import Sweep

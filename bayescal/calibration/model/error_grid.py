@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 from scipy.special import logsumexp
 
-from bayescal.calibration.error_model import LARGEST_TARGET, ErrorModel, Geometry
+from bayescal.calibration.model.error_model import LARGEST_TARGET, ErrorModel, Geometry
 
 Node: TypeAlias = tuple[int, int, int, int]
 

@@ -18,8 +18,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array
-from bayescal.calibration.density import Problem, both_sides
-from bayescal.calibration.stacking import residuals
+from bayescal.calibration.fitting.stacking import residuals
+from bayescal.calibration.judging.density import Problem, both_sides
 
 CHECKED = 30  # lenses where it is compared with the density
 NEAR = 0.05  # nat: root mean square over the posterior that it may be off

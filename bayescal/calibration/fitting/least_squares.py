@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.error_model import INDEPENDENT
-from bayescal.calibration.lens_model import LensModel
-from bayescal.calibration.observations import Observations
-from bayescal.calibration.reduction import reduce
-from bayescal.calibration.stacking import Poses, Stacked, stacked
+from bayescal.calibration.fitting.reduction import reduce
+from bayescal.calibration.fitting.stacking import Poses, Stacked, stacked
+from bayescal.calibration.model.error_model import INDEPENDENT
+from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.observations import Observations
 
 MOST_STEPS = 200
 SETTLED = 1e-13  # relative fall of the sum of squares

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bayescal.calibration.averaging import FEWEST, allotted
+from bayescal.calibration.judging.averaging import FEWEST, allotted
 
 
 def test_every_error_model_has_its_share_on_average():

@@ -1,0 +1,1 @@
+"""What views, lenses and error models are: arrays, parameters, priors."""
