@@ -36,8 +36,7 @@ class ErrorAverage:
 
     def problem(self, node: Node) -> Problem:
         """Give the lens as it is linearised under an error model."""
-        found = self.density(node)
-        return found if isinstance(found, Problem) else found.problem
+        return self.density(node).problem
 
     def parts(
         self, rng: np.random.Generator, n: int

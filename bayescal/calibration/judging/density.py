@@ -61,6 +61,11 @@ class Problem:
     root: Array | None
     level: Level = INFERRED
 
+    @property
+    def problem(self) -> Problem:
+        """Itself, as an expansion's is what it expands."""
+        return self
+
     @cached_property
     def stack(self) -> Stacked:
         """Residuals and derivatives at the reference."""

@@ -99,13 +99,13 @@ def weighed(
     n : int, optional
         Number of draws.
     """
-    problem = density if isinstance(density, Problem) else density.problem
+    problem = density.problem
     mixture, _ = proposal(problem)
     draws = mixture.draw(rng, n)
     log_q = mixture.log_density(draws)
     log_weights = density.log_prob(draws) - log_q
     found = from_weights(log_weights)
-    if isinstance(density, Problem):
+    if density is problem:
         return found, draws, log_weights
     few = min(n, CORRECTED)
     log_weights[:few], before = (
@@ -125,8 +125,7 @@ def weighed(
 
 def drawn(density: Problem | Expansion, rng: np.random.Generator, n: int) -> Array:
     """Draw lenses, picked from importance draws by their weights, ``(n, dimension)``."""
-    problem = density if isinstance(density, Problem) else density.problem
-    mixture, _ = proposal(problem)
+    mixture, _ = proposal(density.problem)
     draws = mixture.draw(rng, n)
     log_weights = density.log_prob(draws) - mixture.log_density(draws)
     return np.asarray(draws[resampled(softmax(log_weights), n, rng)])

@@ -29,7 +29,7 @@ class SampledLens:
     @property
     def problem(self) -> Problem:
         """The lens under its error model."""
-        return self.density if isinstance(self.density, Problem) else self.density.problem
+        return self.density.problem
 
     @property
     def dimension(self) -> int:
