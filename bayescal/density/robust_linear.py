@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -145,9 +147,11 @@ class RobustLinearModel:
 
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior per unit of theta, ``(n_draws,)``, nat."""
+        return np.concatenate([self._log_prob(part) for part in self._parts(theta)])
+
+    def _parts(self, draws: Array) -> list[Array]:
         step = max(1, CHUNK // len(self.t))
-        parts = [theta[i : i + step] for i in range(0, len(theta), step)]
-        return np.concatenate([self._log_prob(part) for part in parts])
+        return [draws[i : i + step] for i in range(0, len(draws), step)]
 
     def _log_prob(self, theta: Array) -> Array:
         density = self.log_likelihood(theta).sum(axis=1) + self.log_prior(theta)
@@ -234,16 +238,25 @@ class RobustLinearModel:
         return self.noise.log_density(residuals, self.log_sigma(full), self.eta(full), self.sd)
 
     def bad_probability(self, full: Array) -> Array | None:
-        """Probability of each point to be bad, ``(n_draws, n_points)``; None without a notion."""
-        return self.noise.bad_probability(
-            self.residuals(full), self.log_sigma(full), self.eta(full), self.sd
-        )
+        """Probability of each point to be bad, averaged over draws, ``(n_points,)``.
+
+        None without a notion of bad points.
+        """
+        if not self.noise.tells_bad:
+            return None
+        return self._averaged(self.noise.bad_probability, full)
 
     def weight(self, full: Array) -> Array:
-        """Share of a good point's precision that each has, ``(n_draws, n_points)``."""
-        return self.noise.weight(
-            self.residuals(full), self.log_sigma(full), self.eta(full), self.sd
-        )
+        """Share of a good point's precision that each has, averaged likewise, ``(n_points,)``."""
+        return self._averaged(self.noise.weight, full)
+
+    def _averaged(self, told: Callable[..., Any], full: Array) -> Array:
+        """Average over draws what the noise tells of each point; few draws at a time."""
+        total = np.zeros(len(self.t))
+        for part in self._parts(full):
+            given = self.residuals(part), self.log_sigma(part), self.eta(part), self.sd
+            total += told(*given).sum(axis=0)
+        return total / len(full)
 
 
 def _fits(x: Array, y: Array) -> list[tuple[Array, float]]:

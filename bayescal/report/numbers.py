@@ -42,9 +42,7 @@ def point_chances(result: OrderResult) -> PointChances | None:
     if not isinstance(model, RobustLinearModel):
         return None
     full = full.reshape(-1, full.shape[2])
-    bad = model.bad_probability(full)
-    weight = model.weight(full).mean(axis=0)
-    return PointChances(None if bad is None else bad.mean(axis=0), weight)
+    return PointChances(model.bad_probability(full), model.weight(full))
 
 
 def correlations(posterior: SampledPosterior) -> Array:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -145,3 +147,25 @@ def test_a_flat_prior_is_refused():
     prior = PriorRule("flat", data.size, data.size / 2).of_order(1)
     with pytest.raises(InputError, match="student-t noise needs a proper prior"):
         RobustLinearModel.of_order(data, 1, NoiseLevel.inferred(), prior, StudentT())
+
+
+@pytest.mark.parametrize("noise", [StudentT(), OutlierMixture()], ids=lambda n: n.name)
+def test_what_is_said_of_points_is_the_mean_over_all_draws_in_little_memory(noise):
+    """Truth: all draws by all points at once, which of many would be gigabytes."""
+    few = model_of(NoiseLevel.inferred(), noise)
+    theta = few.starts()[0] + 0.1 * np.random.default_rng(0).standard_normal((3000, few.dimension))
+    given = few.residuals(theta), few.log_sigma(theta), few.eta(theta), few.sd
+    weight = noise.weight(*given).mean(axis=0)
+    np.testing.assert_allclose(few.weight(theta), weight, rtol=1e-12)
+    bad = noise.bad_probability(*given)
+    if bad is None:
+        assert few.bad_probability(theta) is None
+    else:
+        np.testing.assert_allclose(few.bad_probability(theta), bad.mean(axis=0), rtol=1e-11)
+    many = dataclasses.replace(few, design=np.tile(few.design, (300, 1)), t=np.tile(few.t, 300))
+    tracemalloc.start()
+    found = many.weight(theta[:500])
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    np.testing.assert_allclose(found[:57], few.weight(theta[:500]), rtol=1e-11)
+    assert peak < 500 * len(found) * 8 / 5  # of one array of all

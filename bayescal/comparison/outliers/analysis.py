@@ -208,15 +208,17 @@ def _robust_view(
     heavy: RobustOrder, heavy_draws: SampledPosterior, mixture: RobustOrder, draws: SampledPosterior
 ) -> RobustView:
     """Say what Student-t noise and the mixture say of every point."""
-    full = draws.completed
-    predicted = mixture.model.t - mixture.model.residuals(full)
-    bad = mixture.model.bad_probability(full)
+    full, model = draws.completed, mixture.model
+    amplitudes = full[:, : model.size]
+    covariance = np.atleast_2d(np.cov(amplitudes, rowvar=False))
+    variance = ((model.design @ covariance) * model.design).sum(axis=1)
+    bad = model.bad_probability(full)
     assert bad is not None, "the mixture knows bad points"
     return RobustView(
-        predicted.mean(axis=0),
-        predicted.std(axis=0, ddof=1),
-        bad.mean(axis=0),
-        heavy.model.weight(heavy_draws.completed).mean(axis=0),
+        model.design @ amplitudes.mean(axis=0),
+        np.sqrt(variance),
+        bad,
+        heavy.model.weight(heavy_draws.completed),
     )
 
 
