@@ -13,12 +13,12 @@ import numpy as np
 from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.exports import colmap, npy, parquet, qgis, spreadsheet
-from bayescal.points.pairs import read_pair
 from bayescal.points.setup import AXES, Setup
 from bayescal.points.setup_file import load_setup
 from bayescal.points.tables.columns import KNOWN, REQUIRED, SIGMAS, Columns, parse_stated
 from bayescal.points.tables.content import Content, read_content
 from bayescal.points.tables.frames import frame_table, is_frame
+from bayescal.points.tables.pairs import read_pair
 from bayescal.points.tables.table import Rows, number, read_rows, rows_of
 from bayescal.points.tables.text import quoted
 from bayescal.rounding import counted

@@ -12,7 +12,7 @@ from bayescal.errors import InputError
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from bayescal.points.partial import PartialTable
+    from bayescal.points.tables.partial import PartialTable
     from bayescal.prediction.calibrated.camera import CalibratedCamera
 
 
@@ -100,8 +100,8 @@ def read_rows(
     InputError
         Where it can't be read, or has a bad row and --strict is given.
     """
-    from bayescal.points.partial import read_partial
     from bayescal.points.tables.columns import parse_stated
+    from bayescal.points.tables.partial import read_partial
     from bayescal.report.views.prediction import bad_rows
 
     stated = None if options.columns is None else parse_stated(options.columns)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from bayescal.arrays import finite
-from bayescal.points.partial import PartialTable
+from bayescal.points.tables.partial import PartialTable
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.changed import LEVEL, Change
 from bayescal.prediction.columns import change_columns

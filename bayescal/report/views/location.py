@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.points.partial import PartialTable
+from bayescal.points.tables.partial import PartialTable
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.calibrated.members import KEPT, BoolArray
 from bayescal.prediction.columns import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from bayescal.points.partial import PartialTable
+from bayescal.points.tables.partial import PartialTable
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.columns import remarks
 from bayescal.prediction.predict import Prediction

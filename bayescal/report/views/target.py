@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from bayescal.points.partial import PartialTable
+from bayescal.points.tables.partial import PartialTable
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.columns import target_columns
 from bayescal.prediction.locate import APART
