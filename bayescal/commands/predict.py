@@ -16,7 +16,7 @@ from bayescal.commands.shared.output import DONE
 
 DESCRIPTION = (
     "Predict pixels of world points by a calibrated camera: mean and sd of the mapping, sd of a "
-    "new measurement and its 95 % interval, from one model or averaged over all plausible ones. "
+    "new measurement and its 95% interval, from one model or averaged over all plausible ones. "
     "Pixels are counted as in the points file of the calibration."
 )
 

@@ -213,5 +213,5 @@ def _told(
     inside = (where.r > -0.5) & (where.r < ideal.width - 0.5)
     inside &= (where.c > -0.5) & (where.c < ideal.height - 0.5)
     if not inside.all():
-        yield f"black: {100 * (1 - inside.mean()):.1f} % of their pixels, which no photograph shows"
+        yield f"black: {100 * (1 - inside.mean()):.1f}% of their pixels, which no photograph shows"
     yield from (f"not used: {line}" for line in failed)

@@ -124,7 +124,7 @@ def from_weights(log_weights: Array) -> EvidenceEstimate:
     if not shape <= LARGEST_K and lacking > NOTICEABLE:
         warnings.append(f"the Pareto k of its weights is {shape:.2f}, over {LARGEST_K:g}")
     if fraction < SMALLEST_FRACTION:
-        warnings.append(f"{100 * fraction:.2g} % of the proposal's draws are effective")
+        warnings.append(f"{100 * fraction:.2g}% of the proposal's draws are effective")
     return EvidenceEstimate(log_z, error, math.nan, math.inf, fraction, shape, n, tuple(warnings))
 
 

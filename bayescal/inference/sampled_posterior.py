@@ -262,8 +262,8 @@ def shares_differ(
         changed = max(gap, gap * float(((mode.theta - mean) ** 2 / variance).max()) / WIDENED)
         if gap > 5 * error + LEAST and changed > NOTICEABLE:
             return (
-                f"mode {k + 1} of {len(modes)} holds {100 * expected:.1f} % of the posterior by "
-                f"its weights, {100 * drawn:.1f} % by the draws",
+                f"mode {k + 1} of {len(modes)} holds {100 * expected:.1f}% of the posterior by "
+                f"its weights, {100 * drawn:.1f}% by the draws",
             )
     return ()
 

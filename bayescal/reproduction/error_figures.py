@@ -159,7 +159,7 @@ def _named(result: OrderReproduction, reproduction: Reproduction) -> list[int]:
 
 def _legend(figure: Figure, reproduction: Reproduction, kind: ErrorKind) -> None:
     rule = reproduction.rule
-    level = f"{100 * rule.significance:g} %"
+    level = f"{100 * rule.significance:g}%"
     test = f"{level} per point" if rule.per_point else f"{level} family-wise"
     point: dict[str, Any] = {"markersize": 3, "linewidth": 0.8}
     line: dict[str, Any] = {"color": "black", "linewidth": 0.7}

@@ -44,8 +44,8 @@ def conclusion(model: AxisReproduction) -> str:
     beyond = [o.order for o in model.orders if o.order > best.order]
     who = f"order {beyond[0]} takes" if len(beyond) == 1 else f"orders {_span(beyond)} take"
     return (
-        f"BIC is lowest at order {best.order}; {who} {100 * gain:.1f} % more off RSS, chance "
-        f"alone {100 * by_chance:.1f} %."
+        f"BIC is lowest at order {best.order}; {who} {100 * gain:.1f}% more off RSS, chance "
+        f"alone {100 * by_chance:.1f}%."
     )
 
 
@@ -117,7 +117,7 @@ def _elimination(reproduction: Reproduction) -> Part:
     ]
     about = (
         "The most significant one at a time, with a refit; "
-        f"{100 * rule.significance:g} % {'per point' if rule.per_point else 'family-wise'}, "
+        f"{100 * rule.significance:g}% {'per point' if rule.per_point else 'family-wise'}, "
         + ("sigma inferred." if rule.sigma is None else f"sigma {rule.sigma:g} px.")
     )
     columns = tuple(Column(head) for head in (*heads, *last))

@@ -42,7 +42,7 @@ def at_bounds(case: Case) -> Iterator[Finding]:
         if mass > PILE_OF_WIDTH:
             yield limits(
                 "width-bound",
-                f"{100 * mass:.0f}% of the posterior of the bad points' width lies within 10 % of "
+                f"{100 * mass:.0f}% of the posterior of the bad points' width lies within 10% of "
                 f"its upper bound, {case.shape.width_bounds[1]:.4g}: bad points may be wider, and "
                 "the evidence of this noise is understated",
             )

@@ -72,5 +72,5 @@ def sampled(case: Case) -> Iterator[Finding]:
             yield limits(
                 "bad-fraction",
                 f"{100 * share:.0f}% of the points are bad under the mixture, "
-                "whose bound is 50 %: bad is no exception here, and the labels may mean little",
+                "whose bound is 50%: bad is no exception here, and the labels may mean little",
             )

@@ -19,8 +19,8 @@ from bayescal.report.blocks import Prose, Section
 from bayescal.report.document.shared import stated_heading
 from bayescal.report.page.numbering import numbered
 from bayescal.report.page.pictures import drawn
-from bayescal.report.page.typography import sentence, symbol, typeset, visible
 from bayescal.report.runs import kind_of
+from bayescal.report.typography import sentence, symbol, typeset, visible
 from bayescal.report.views import provenance
 from bayescal.version import __version__
 

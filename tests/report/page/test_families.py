@@ -11,7 +11,7 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser
 
 import bayescal as bc
-from bayescal.report.page.typography import typeset
+from bayescal.report.typography import typeset
 from tests.helpers.command import here
 from tests.helpers.page import read
 

@@ -14,7 +14,7 @@ from bayescal.points.heading import Heading
 from bayescal.report.blocks import Section
 from bayescal.report.document.comparison import comparison_document
 from bayescal.report.page.page import Page, html, page_of, save_report
-from bayescal.report.page.typography import symbol, typeset, visible
+from bayescal.report.typography import symbol, typeset, visible
 from tests.helpers.page import read
 from tests.helpers.points_files import rows, text, write
 
@@ -110,7 +110,12 @@ def test_signs():
     assert symbol("r: alpha_1, px") == "r: α₁, px"
     assert symbol("-5") == "−5"  # noqa: RUF001
     powers = typeset("1920 x 1080, 2e-06, 1.5e+20, 10^8, 3e8")
-    assert powers == "1920 \xd7 1080, 2 \xd7 10⁻⁶, 1.5 \xd7 10²⁰, 10⁸, 3e8"
+    assert powers == "1920 \xd7 1080, 2\xa0\xd7\xa010⁻⁶, 1.5\xa0\xd7\xa010²⁰, 10⁸, 3e8"
+    said = typeset("tau * 1920, alpha_0 to alpha_12, d elpd +1.9±1.7, c = height - row; 95% of 4%")
+    assert said.replace("\xa0", " ") == (
+        "tau · 1920, α₀ to α₁₂, Δ elpd +1.9 ± 1.7, c = height − row; 95\u202f% of 4\u202f%"  # noqa: RUF001
+    )
+    assert (typeset("-"), typeset("a - b")) == ("–", "a - b")  # noqa: RUF001
 
 
 def test_title_block_says_what_it_is_told_as_text():

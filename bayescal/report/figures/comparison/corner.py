@@ -14,6 +14,7 @@ from bayescal.linear.closed_form_density import Densities
 from bayescal.report.figures.parameters import parameter_label
 from bayescal.report.figures.style import BLUE, VERMILLION, several_panels
 from bayescal.report.figures.subject import Subject
+from bayescal.report.typography import typeset
 from bayescal.rounding import rounded
 
 # Two-dimensional levels of one and two sigma: 1 - exp(-k^2 / 2), not 68 % and 95 %.
@@ -100,9 +101,9 @@ def _caption(figure: Figure, subject: Subject, draws: int, *, overlaid: bool) ->
     if overlaid:
         handles.append(Line2D([], [], color=VERMILLION, linewidth=1, label="closed form"))
     handles.append(
-        Line2D([], [], color=BLUE, linestyle="--", linewidth=1, label="2.5 %, 50 %, 97.5 %")
+        Line2D([], [], color=BLUE, linestyle="--", linewidth=1, label=typeset("2.5%, 50%, 97.5%"))
     )
-    inner, outer = (f"{100 * level:.1f} %" for level in LEVELS)
+    inner, outer = (typeset(f"{100 * level:.1f}%") for level in LEVELS)
     figure.legend(
         handles=handles,
         loc="upper right",

@@ -25,6 +25,7 @@ from bayescal.report.figures.style import (
     settle,
 )
 from bayescal.report.figures.subject import Subject
+from bayescal.report.typography import typeset
 from bayescal.rounding import significant
 
 PLACES = 81
@@ -82,7 +83,7 @@ def draw(subject: Subject) -> Figure:
     left = curve.less_line(data.domain.scale(data.x), data.t)
     figure, panel = one_panel(WIDTH, 3.7)
     panel.axhline(0, color=GREY, linewidth=0.8)
-    label = f"{100 * INTERVAL_PROBABILITY:.0f} % of the curve"
+    label = typeset(f"{100 * INTERVAL_PROBABILITY:.0f}% of the curve")
     panel.fill_between(
         curve.x, curve.lower, curve.upper, color=SKY, alpha=0.4, linewidth=0, label=label
     )
@@ -127,7 +128,7 @@ def alt_text(subject: Subject) -> str:
     )
     return (
         f"Fitted curve less its straight part, {subject.title}, with the measured points: {bend}; "
-        f"half of its {100 * INTERVAL_PROBABILITY:.0f} % band is "
+        f"half of its {100 * INTERVAL_PROBABILITY:.0f}% band is "
         f"{significant(float(half.min()))} {unit} where narrowest and "
         f"{significant(float(half.max()))} {unit} where widest."
     )

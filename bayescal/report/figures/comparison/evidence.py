@@ -18,10 +18,12 @@ from bayescal.report.figures.style import (
     GREY,
     PALE,
     WIDTH,
+    ink_on,
     one_panel,
     several_panels,
 )
 from bayescal.report.figures.subject import Subject
+from bayescal.report.typography import typeset
 from bayescal.rounding import percent, significant
 
 ROOM = 8.0  # nat shown below the winner's lowest
@@ -78,7 +80,7 @@ def _mark_tau(panel: Axes, axis: AxisComparison) -> None:
         panel.axvline(axis.prior.tau, color=GREY, linewidth=1, label=label)
     else:
         lower, upper = axis.prior.tau_bounds
-        label = f"prior of an\ninferred tau,\n{lower:.2g} to {upper:g}"
+        label = typeset(f"prior of an\ninferred tau,\n{lower:.2g} to {upper:g}")
         panel.axvspan(lower, upper, color=PALE, alpha=0.35, linewidth=0, label=label)
 
 
@@ -89,9 +91,8 @@ def _draw_wins(strip: Axes, found: TauSensitivity) -> None:
         strip.axvspan(win.lower, win.upper, color=colours[win.order], linewidth=0)
         if np.log10(win.upper / win.lower) > 0.03 * decades:
             middle = np.sqrt(win.lower * win.upper)
-            strip.text(
-                middle, 0.5, str(win.order), ha="center", va="center", color="white", weight="bold"
-            )
+            colour, name = ink_on(colours[win.order]), str(win.order)
+            strip.text(middle, 0.5, name, ha="center", va="center", color=colour, weight="bold")
     strip.set_yticks([0.5], ["wins: order"])
     strip.set_ylim(0, 1)
     strip.tick_params(axis="y", length=0)

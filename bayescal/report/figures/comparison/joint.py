@@ -11,14 +11,15 @@ from bayescal.arrays import Array
 from bayescal.comparison.defence.stability import joint_probabilities
 from bayescal.comparison.results import AxisComparison
 from bayescal.errors import InputError
-from bayescal.report.figures.style import BLUE, VERMILLION, ink_on, one_panel
+from bayescal.report.figures.style import BLUE, GREY, VERMILLION, ink_on, one_panel
 from bayescal.report.figures.subject import Subject
+from bayescal.report.typography import typeset
 from bayescal.rounding import percent
 
 SHADES = LinearSegmentedColormap.from_list("probability", ["#ffffff", BLUE])
 LINES = "#b8c0c6"
 CELL = (0.72, 0.42)  # inches
-SHOWN = 0.0005  # probability below which a cell says nothing
+SHOWN = 0.0005  # probability below which a cell is not worth a look
 
 
 def draw(subject: Subject) -> Figure:
@@ -30,9 +31,9 @@ def draw(subject: Subject) -> Figure:
     edges = [np.arange(size + 1) - 0.5 for size in (columns, rows)]
     panel.pcolormesh(*edges, table, cmap=SHADES, vmin=0, vmax=1, edgecolors=LINES, linewidth=0.5)
     for (i, j), chance in np.ndenumerate(table):
-        if chance >= SHOWN:
-            text, ink = percent(float(chance)).replace("%", " %"), ink_on(SHADES(float(chance)))
-            panel.text(j, i, text, ha="center", va="center", color=ink, fontsize=8.5)
+        ink = ink_on(SHADES(float(chance))) if chance >= SHOWN else GREY
+        text = typeset(percent(float(chance)))
+        panel.text(j, i, text, ha="center", va="center", color=ink, fontsize=8.5)
     i, j = np.unravel_index(int(table.argmax()), table.shape)
     frame = Rectangle((j - 0.5, i - 0.5), 1, 1, fill=False, edgecolor=VERMILLION, linewidth=1.8)
     panel.add_patch(frame).set_clip_on(False)

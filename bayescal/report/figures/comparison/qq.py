@@ -14,6 +14,7 @@ from bayescal.report.figures.labels import name_points
 from bayescal.report.figures.residual_points import ResidualPoints
 from bayescal.report.figures.style import BLUE, GREY, PALE, WIDTH, legend_of, one_panel, settle
 from bayescal.report.figures.subject import Subject
+from bayescal.report.typography import typeset
 
 ENVELOPE = 0.95
 SIMULATIONS = 4000  # for the bounds, and as many for their level
@@ -26,7 +27,7 @@ def draw(subject: Subject) -> Figure:
     found = ResidualPoints.of(subject.axis, subject.result)
     ranked, expected, z, lower, upper = _ranked(subject, found)
     figure, panel = one_panel(0.62 * WIDTH, 0.62 * WIDTH)
-    label = f"{100 * ENVELOPE:.0f} % envelope"
+    label = typeset(f"{100 * ENVELOPE:.0f}% envelope")
     panel.fill_between(expected, lower, upper, color=PALE, alpha=0.6, linewidth=0, label=label)
     panel.plot(expected, expected, color=GREY, linewidth=0.9, label="normal")
     panel.plot(expected, z, "o", color=BLUE, markersize=3.8, label="point")

@@ -10,10 +10,11 @@ from bayescal.comparison.evidence import PLAUSIBLE
 from bayescal.comparison.results import AxisComparison
 from bayescal.report.figures.style import BLUE, PALE, SKY, WIDTH, several_panels
 from bayescal.report.figures.subject import Subject
+from bayescal.report.typography import typeset
 from bayescal.rounding import percent
 
 RECOMMENDED = "recommended"
-NOT_EXCLUDED = f"not excluded at {100 * PLAUSIBLE:.0f} %"
+NOT_EXCLUDED = typeset(f"not excluded at {100 * PLAUSIBLE:.0f}%")
 EXCLUDED = "excluded"
 COLOURS = {RECOMMENDED: BLUE, NOT_EXCLUDED: SKY, EXCLUDED: PALE}
 BESIDE = 8  # orders up to which two panels stand beside each other
@@ -53,7 +54,7 @@ def _draw_probability(panel: Axes, axis: AxisComparison) -> set[str]:
         panel.bar(result.order, 100 * chance, width=0.72, color=COLOURS[label])
         if not crowded or chance >= 0.0005:
             panel.annotate(
-                percent(chance).replace("%", " %"),
+                typeset(percent(chance)),
                 (result.order, 100 * chance),
                 (0, 2),
                 textcoords="offset points",
@@ -63,7 +64,7 @@ def _draw_probability(panel: Axes, axis: AxisComparison) -> set[str]:
     panel.set_ylim(0, 108)
     panel.set_yticks([0, 25, 50, 75, 100])
     panel.set_ylabel("posterior probability [%]")
-    panel.set_title(_headline(axis), loc="left")
+    panel.set_title(typeset(_headline(axis)), loc="left")
     return shown
 
 
@@ -99,7 +100,7 @@ def _headline(axis: AxisComparison) -> str:
         return f"{name}: only order {verdict.order} was compared"
     order, others = f"{name}: order {verdict.order}", ", ".join(map(str, verdict.plausible[1:]))
     if verdict.decided:
-        return f"{order}, decided at {100 * PLAUSIBLE:.0f} %"
+        return f"{order}, decided at {100 * PLAUSIBLE:.0f}%"
     if verdict.outcome == "suffices":
         return f"{order} suffices; {others} not excluded"
     return f"{order}; {others} not excluded" if others else f"{order}, not decided"

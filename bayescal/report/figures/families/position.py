@@ -14,6 +14,7 @@ from bayescal.comparison.key import FREE
 from bayescal.errors import InputError
 from bayescal.prior.camera import PositionPrior, position_prior
 from bayescal.report.figures.style import BLACK, CYCLE, DASHES, GREY, WIDTH, several_panels
+from bayescal.report.typography import typeset
 from bayescal.rounding import rounded
 
 NAMES = ("position_x", "position_y", "position_z")
@@ -85,15 +86,11 @@ def _draws(model: JointModel) -> Array:
 def _found(model: JointModel, i: int) -> str:
     assert model.posterior is not None, "it was sampled"
     p = model.posterior[NAMES[i]]
-    return _sign(f"{rounded(p.mean, p.sd)} ± {rounded(p.sd, p.sd)}")
+    return typeset(f"{rounded(p.mean, p.sd)} ± {rounded(p.sd, p.sd)}")
 
 
 def _normal(mean: float, sd: float) -> str:
-    return _sign(f"N({mean:.5g}, {sd:.3g}²)")
-
-
-def _sign(text: str) -> str:
-    return text.replace("-", "\N{MINUS SIGN}")
+    return typeset(f"N({mean:.5g}, {sd:.3g}²)")
 
 
 def alt_text(found: FamilyComparison) -> str:

@@ -12,6 +12,7 @@ from bayescal.comparison.lenses.results import LensComparison
 from bayescal.errors import InputError
 from bayescal.report.figures.comparison.corner import LEAST, LEVELS, PANEL, QUANTILES, SHARE
 from bayescal.report.figures.style import BLUE, several_panels
+from bayescal.report.typography import typeset
 from bayescal.rounding import rounded
 
 PIXELS = ("f", "fx", "fy", "cx", "cy")  # parameters in px
@@ -42,11 +43,12 @@ def draw(found: LensComparison) -> Figure:
     for panel in figure.axes:
         panel.tick_params(labelsize=6.5)
     figure.subplots_adjust(left=0.95 / side, bottom=0.95 / side, right=1 - 0.1 / side, top=0.98)
-    inner, outer = (f"{100 * level:.1f} %" for level in LEVELS)
+    quantiles = typeset("2.5%, 50%, 97.5%")
+    inner, outer = (typeset(f"{100 * level:.1f}%") for level in LEVELS)
     figure.legend(
         handles=[
             Line2D([], [], color=BLUE, linewidth=5, alpha=0.6, label=f"{len(draws)} draws"),
-            Line2D([], [], color=BLUE, linestyle="--", linewidth=1, label="2.5 %, 50 %, 97.5 %"),
+            Line2D([], [], color=BLUE, linestyle="--", linewidth=1, label=quantiles),
         ],
         loc="upper right",
         bbox_to_anchor=(0.995, 0.985),

@@ -35,7 +35,7 @@ def draw(found: LensComparison) -> Figure:
         )
     else:
         panel.xaxis.set_major_locator(MaxNLocator(integer=True))
-    panel.set_xlabel("radial coefficients" + ("; lenses without an order" if others else ""))
+    panel.set_xlabel("radial coefficients" + ("; lenses of one order alone" if others else ""))
     panel.set_ylabel("ln evidence below the best [nat]")
     if len(ordered) > 1:
         panel.legend(loc="best")

@@ -13,13 +13,21 @@ _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SIGNS: tuple[tuple[re.Pattern[str], str | Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"(?<![\w.\-])-(?=\.?\d)"), "\N{MINUS SIGN}"),
     (re.compile(r"\bchi2\b"), "\N{GREEK SMALL LETTER CHI}\N{SUPERSCRIPT TWO}"),
-    (re.compile(r"\bd(?=(?:AIC|AICc|BIC)\b)"), "\N{GREEK CAPITAL LETTER DELTA}"),
+    (re.compile(r"\bd(?=(?:AIC|AICc|BIC| elpd)\b)"), "\N{GREEK CAPITAL LETTER DELTA}"),
+    (re.compile(r"^-$"), "\N{EN DASH}"),
+    (re.compile(r"(?<=\d)±(?=\d)"), " ± "),
+    (re.compile(r"(?<=\S) \* (?=\S)"), "\N{NO-BREAK SPACE}\N{MIDDLE DOT}\N{NO-BREAK SPACE}"),
+    (re.compile(r"\b(?:alpha|beta)_\d+\b"), lambda found: symbol(found[0])),
     (re.compile(r"\bR-hat\b"), "R\u0302"),
     (re.compile(r"(?<=\d) x (?=\d)"), " \N{MULTIPLICATION SIGN} "),
-    (re.compile(r"(?<=\bheight) - (?=row\b)"), " \N{MINUS SIGN} "),
+    (
+        re.compile(r"\bc = height - row\b"),
+        "c\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}height\N{NO-BREAK SPACE}\N{MINUS SIGN}"
+        "\N{NO-BREAK SPACE}row",
+    ),
     (
         re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e(?:\+|(-))0*(\d+)\b"),
-        "\\1 \N{MULTIPLICATION SIGN} 10^\\2\\3",
+        "\\1\N{NO-BREAK SPACE}\N{MULTIPLICATION SIGN}\N{NO-BREAK SPACE}10^\\2\\3",
     ),
     (re.compile(r"\^(-?\d+)"), lambda found: found[1].translate(_SUPERSCRIPTS)),
     (re.compile(r"(?<=\d)%"), "\N{NARROW NO-BREAK SPACE}%"),
