@@ -44,6 +44,7 @@ STYLE: Any = {
     "ytick.major.width": 0.6,
     "axes.spines.top": False,
     "axes.spines.right": False,
+    "hatch.linewidth": 0.4,
     "svg.hashsalt": "bayescal",  # the same figure gives the same bytes
 }
 

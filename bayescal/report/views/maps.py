@@ -20,6 +20,7 @@ SD_CAPTION = (
     "Standard deviation of the mapping and of a new measurement over the image; hatched: beyond "
     "the calibration points, or without an inverse."
 )
+PLACES_CAPTION = "Over the image, px; r and c as recorded."
 DIFFERENCE_CAPTION = (
     "How far the other plausible models predict the points elsewhere that the chosen one sees."
 )
@@ -32,7 +33,7 @@ def map_view(camera: CalibratedCamera, maps: ImageMaps) -> Blocks:
 
 def map_blocks(maps: ImageMaps) -> Blocks:
     """Show the table and its sentences."""
-    return (Tabled("map-places", "Over the image, px.", places_table(maps), tuple(_lines(maps))),)
+    return (Tabled("map-places", PLACES_CAPTION, places_table(maps), tuple(_lines(maps))),)
 
 
 def map_section(result: Any) -> Section | None:

@@ -5,18 +5,16 @@ from __future__ import annotations
 from matplotlib.figure import Figure
 
 from bayescal.prediction.changed import Change
-from bayescal.report.figures.camera.panels import draw_map, draw_shifts, image_panels
-from bayescal.report.figures.style import settle
+from bayescal.report.figures.camera.panels import draw_map, draw_shifts, finished, image_panels
 
 
 def draw(change: Change) -> Figure:
     """Draw the change, and its standard deviation beside it."""
     figure, (moved, sd) = image_panels(change, 2)
-    draw_map(moved, change, change.size, "change")
+    draw_map(moved, change, change.shift, "change")
     draw_shifts(moved, change, change.shift, 3)
     draw_map(sd, change, change.sd, "its sd")
-    settle(figure)
-    return figure
+    return finished(figure)
 
 
 def alt_text(change: Change) -> str:

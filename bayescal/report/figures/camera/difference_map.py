@@ -6,8 +6,9 @@ from matplotlib.figure import Figure
 
 from bayescal.errors import InputError
 from bayescal.prediction.maps import ImageMaps
-from bayescal.report.figures.camera.panels import draw_map, draw_shifts, image_panels
-from bayescal.report.figures.style import settle
+from bayescal.report.figures.camera.panels import draw_map, draw_shifts, finished, image_panels
+from bayescal.report.typography import typeset
+from bayescal.rounding import percent
 
 MOST = 4  # models
 EVERY = 4  # places of the grid between arrows
@@ -19,10 +20,9 @@ def draw(maps: ImageMaps) -> Figure:
     shown = maps.differences[:MOST]
     figure, panels = image_panels(maps, len(shown))
     for panel, one in zip(panels, shown, strict=True):
-        draw_map(panel, maps, one.size, f"to {one.other}, {100 * one.probability:.0f} %")
+        draw_map(panel, maps, one.shift, typeset(f"to {one.other}, {percent(one.probability)}"))
         draw_shifts(panel, maps, one.shift, EVERY)
-    settle(figure)
-    return figure
+    return finished(figure)
 
 
 def alt_text(maps: ImageMaps) -> str:

@@ -6,8 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bayescal.prediction.maps import ImageMaps
-from bayescal.report.figures.camera.panels import draw_map, image_panels
-from bayescal.report.figures.style import settle
+from bayescal.report.figures.camera.panels import draw_map, finished, image_panels
 from bayescal.rounding import significant
 
 
@@ -22,8 +21,7 @@ def draw(maps: ImageMaps) -> Figure:
     figure, panels = image_panels(maps, len(wanted))
     for panel, (values, title) in zip(panels, wanted, strict=True):
         draw_map(panel, maps, values, title)
-    settle(figure)
-    return figure
+    return finished(figure)
 
 
 def alt_text(maps: ImageMaps) -> str:
