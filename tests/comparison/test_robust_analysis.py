@@ -114,3 +114,13 @@ def test_noise_needs_a_point_to_spare():
     known = bc.compare_polynomials(x, y, [2], noise="student-t", sigma=1.0, ess=100).axes["y"][2]
     # Three points for three coefficients leave tails that the weights' warnings speak of.
     assert known.log_evidence < np.log(2 * np.pi) * -1.5  # below the density at no residual at all
+
+
+def test_a_winner_at_the_edge_is_not_decided_where_nobody_looked_beyond():
+    """Truth: order 4 leads 3 by 99.9 % of the two, and 5 to 7 were not compared."""
+    verdict = bc.compare(bc.thesis(), [3, 4], axis="r", noise="student-t", ess=400)["r"].verdict
+    assert (verdict.order, verdict.plausible, verdict.decided) == (4, (4,), False)
+    assert "not decided: higher orders were not compared" in verdict.text
+    assert "under student-t noise only --defend looks beyond it" in verdict.caveats[0]
+    inner = bc.compare(bc.thesis(), [1, 2], axis="c", noise="student-t", ess=400)["c"].verdict
+    assert "higher orders" not in inner.text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 
 from bayescal.comparison.criteria.information import Criteria
@@ -9,6 +10,7 @@ from bayescal.comparison.defence.results import Defence, Prediction
 from bayescal.comparison.defence.stability import Removal
 from bayescal.comparison.finding import limits
 from bayescal.comparison.findings.beyond_range import beyond_range
+from bayescal.comparison.findings.edge import UNSEEN
 from bayescal.comparison.orders.beyond import Beyond
 from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.rounding import counted, percent, significant
@@ -47,7 +49,10 @@ def argue(
     if clear:
         more.append(limits("leave-one-out", clear))
     if defence.beyond is not None:
-        more += beyond_range(defence.beyond, at_edge=verdict.order == max(criteria))
+        kept = tuple(f for f in verdict.findings if f.kind != UNSEEN)
+        verdict = dataclasses.replace(verdict, findings=kept)
+        at_edge = len(criteria) > 1 and verdict.order == max(criteria)
+        more += beyond_range(defence.beyond, at_edge=at_edge)
         text.append(_beyond(defence.beyond))
     return verdict.with_findings(more, *text)
 
@@ -55,12 +60,11 @@ def argue(
 def _beyond(found: Beyond) -> str:
     if found.winner is not None or not found.orders:
         return ""
+    fitted = [k for k in found.probability if k not in found.orders]
+    where = "Beyond the range" if len(fitted) > 1 else f"Above order {fitted[0]}"
     orders = ", ".join(str(k) for k in found.orders)
     together = percent(sum(found.probability[k] for k in found.orders))
-    return (
-        f"Beyond the range, orders {orders} were tried and would not take its place "
-        f"({together} together)."
-    )
+    return f"{where}, orders {orders} were tried: none would take its place ({together} together)."
 
 
 def _worth(defence: Defence) -> str:

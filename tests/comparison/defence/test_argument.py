@@ -14,6 +14,9 @@ import numpy as np
 import pytest
 
 import bayescal as bc
+from bayescal.comparison.defence.argument import argue
+from bayescal.comparison.finding import overturns
+from bayescal.comparison.findings.edge import UNSEEN
 from bayescal.comparison.results import AxisComparison
 from bayescal.points.setup import StatedPrior
 from bayescal.rounding import percent
@@ -224,6 +227,26 @@ def test_an_order_alone_is_not_said_to_win():
     assert not re.search(r"\bwins?\b|removal|resamples", axis.verdict.text)
     assert axis.defence.beyond.orders == (3, 4, 5)
     assert "orders 3, 4, 5 were tried" in axis.verdict.text
+
+
+@pytest.mark.parametrize(("order", "said"), [(3, ["order 4, which was not"]), (4, [])])
+def test_an_order_alone_says_the_same_of_higher_ones_defended_or_not(order, said):
+    """Truth: of r order 4 has 84 % of orders 1 to 5, which is named against 3 alone."""
+    alone = bc.compare(bc.thesis(), [order], axis="r", ess=400)["r"]
+    for axis in (alone, defended(bc.thesis(), (order,))):
+        edge = [f.because for f in axis.verdict.findings if f.kind == "edge"]
+        assert [text[:22] for text in edge] == said
+        assert "can't be excluded" not in axis.verdict.text
+
+
+def test_what_the_defence_has_seen_takes_the_place_of_what_was_unseen():
+    axis = defended(bc.thesis(), (3, 4))
+    unseen = overturns(UNSEEN, "nobody looked beyond order 4", "higher orders were not compared")
+    verdict = axis.verdict.with_findings([unseen])
+    assert "higher orders were not compared" in verdict.text
+    criteria = {r.order: r.criteria for r in axis.orders}
+    argued = argue(verdict, axis.defence, criteria, 1920.0)
+    assert argued.findings == axis.verdict.findings
 
 
 def test_a_straight_winner_at_every_tau_is_said(weak_curve):
