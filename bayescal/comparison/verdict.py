@@ -58,12 +58,12 @@ class Verdict(ABC):
 
     @property
     def standing(self) -> str:
-        """How what is recommended stands, in a few words: what the headline says, shorter."""
+        """How what is recommended stands, in a few words; `withheld` says why."""
         if self.compared == 1:
-            return "; ".join(("the only one compared", *self.withheld[:1]))
+            return "the only one compared"
         chance = f"{percent(self.chances[0])} probable"
         if self.withheld:
-            return f"{chance} among those compared; not decided: {self.withheld[0]}"
+            return f"{chance} among those compared; not decided"
         return f"{chance}; {self._open_briefly() if self.others else DECIDED}"
 
     @property
@@ -81,9 +81,14 @@ class Verdict(ABC):
         lead = f"{self.subject} is the most probable, {chance}"
         return f"{self._open(lead, open_)}." if open_ else f"{lead}; {DECIDED}."
 
+    @property
+    def not_excluded(self) -> str:
+        """What else is plausible, in a few words; empty where nothing is."""
+        return f"{counted(len(self.plausible) - 1, 'other')} not excluded" if self.others else ""
+
     def _open_briefly(self) -> str:
         """Say in a few words how matters stand where others are plausible."""
-        return f"{counted(len(self.plausible) - 1, 'other')} not excluded"
+        return self.not_excluded
 
     def _open(self, lead: str, open_: str) -> str:
         """Say how matters stand where others are plausible, which `open_` says."""

@@ -77,7 +77,7 @@ class PositionPrior:
 
     def __str__(self) -> str:
         how = "as stated" if self.stated else "a tenth of the points' median distance"
-        x, y, z = (f"N({m:g}, {s:.3g})" for m, s in zip(self.mean, self.sd, strict=True))
+        x, y, z = (f"N({m:g}, {s:.3g}²)" for m, s in zip(self.mean, self.sd, strict=True))
         return f"position x ~ {x}, y ~ {y}, z ~ {z} world units (sd {how})"
 
 
@@ -225,7 +225,7 @@ class PinholePrior:
         """One line for each parameter, as it is printed."""
         lower, upper = np.exp([-1.96 * self.focal_log_sd, 1.96 * self.focal_log_sd]) * self.focal
         degrees = ", ".join(f"{d:.3g}" for d in np.degrees(self.rotation_sd))
-        u, v = (f"N({m:g}, {s:g})" for m, s in zip(self.centre, self.centre_sd, strict=True))
+        u, v = (f"N({m:g}, {s:g}²)" for m, s in zip(self.centre, self.centre_sd, strict=True))
         strength = (
             "inferred, log-uniform {:.3g} to {:g}".format(*tau_bounds(self.width, self.pixel))
             if self.tau is None
@@ -233,13 +233,13 @@ class PinholePrior:
         )
         return "\n".join(
             (
-                f"ln focal_r ~ N(ln {self.focal:g}, {self.focal_log_sd:g}): 95% from "
-                f"{lower:.0f} to {upper:.0f} px; ln focal_c/focal_r ~ N(0, {self.ratio_log_sd:g})",
+                f"ln focal_r ~ N(ln {self.focal:g}, {self.focal_log_sd:g}²): 95% from "
+                f"{lower:.0f} to {upper:.0f} px; ln focal_c/focal_r ~ N(0, {self.ratio_log_sd:g}²)",
                 f"centre_r ~ {u}, centre_c ~ {v} px",
-                f"rotation about the stated orientation ~ N(0, ({degrees})) degrees",
+                f"rotation about the stated orientation: sd ({degrees}) degrees",
                 str(self.position),
-                f"displacement of each radial term at the image's corner ~ N(0, tau * "
-                f"{self.width:g}) px, tau {strength}",
+                f"displacement of each radial term at the image's corner ~ N(0, (tau * "
+                f"{self.width:g})²) px, tau {strength}",
             )
         )
 

@@ -141,5 +141,5 @@ def test_the_setup_changes_the_prior_and_the_prior_prints_itself():
     assert prior.centre.tolist() == [900, 500]
     assert prior.position.sd.tolist() == [1, 2, 3]
     printed = str(prior)
-    for words in ("ln 800, 0.2", "N(900, 9)", "(5, 5, 5)) degrees", "as stated"):
+    for words in ("ln 800, 0.2²", "N(900, 9²)", "(5, 5, 5) degrees", "as stated"):
         assert words in printed

@@ -87,11 +87,19 @@ class AxisVerdict(Verdict):
     def _noun_of_others(self) -> str:
         return "orders" if len(self.plausible) > 2 else "order"
 
+    @property
+    def not_excluded(self) -> str:
+        """Which other orders are plausible; empty where none is."""
+        return f"{self._named} not excluded" if self.others else ""
+
+    @property
+    def _named(self) -> str:
+        return f"{self._noun_of_others} {', '.join(map(str, self.plausible[1:]))}"
+
     def _open_briefly(self) -> str:
-        named = f"{self._noun_of_others} {', '.join(map(str, self.plausible[1:]))}"
         if self.enough is not None and self.enough.enough:
-            return f"suffices: {named} within {self._size(self.enough.largest)}"
-        return f"{named} not excluded"
+            return f"suffices: {self._named} within {self._size(self.enough.largest)}"
+        return self.not_excluded
 
     def _open(self, lead: str, open_: str) -> str:
         enough = self.enough

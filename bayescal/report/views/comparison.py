@@ -120,11 +120,16 @@ def about(comparison: Comparison) -> list[str]:
 def headlines(comparison: Comparison) -> list[str]:
     """Name the order of each axis, and how it stands."""
     found = {name: axis.verdict for name, axis in comparison.axes.items()}
-    return [f"{name}: {v.recommended}; {v.standing}" for name, v in found.items()]
+    return [
+        f"{name}: {'; '.join((v.recommended, v.standing, *v.withheld[:1]))}"
+        for name, v in found.items()
+    ]
 
 
 def title(comparison: Comparison) -> str:
     """Head a page."""
+    if all(len(axis) == 1 for axis in comparison):
+        return f"A {'polynomial' if comparison.points is None else 'camera calibration'} in full"
     if comparison.points is None:
         return "Which polynomial order? A comparison"
     return "Which polynomial order? A camera calibration compared"

@@ -64,8 +64,8 @@ def prior_words(rule: PriorRule) -> str:
         f"{high * rule.size:.4g} px)"
     )
     return (
-        f"field; b0 ~ N({rule.centre:g}, {half}), b1 ~ N(0, {half}), bj ~ N(0, tau * "
-        f"{rule.size:g}) px; tau {tau}"
+        f"field; b0 ~ N({rule.centre:g}, {half}²), b1 ~ N(0, {half}²), bj ~ N(0, (tau * "
+        f"{rule.size:g})²) px; tau {tau}"
     )
 
 
@@ -73,7 +73,10 @@ def doubts(verdict: Verdict) -> tuple[str, ...]:
     """Say, beside an answer in large type, what could be wrong with it."""
     rest = sum(not finding.withholds for finding in verdict.findings)
     more = "more " if verdict.withheld else ""
-    return verdict.withheld + ((f"{counted(rest, f'{more}caveat')} below",) if rest else ())
+    caveats = f"{counted(rest, f'{more}caveat')} below" if rest else ""
+    # Where nothing is withheld, the answer itself says what else is plausible.
+    open_ = verdict.not_excluded if verdict.withheld else ""
+    return tuple(filter(None, (open_, *verdict.withheld, caveats)))
 
 
 def p_words(value: float) -> str:

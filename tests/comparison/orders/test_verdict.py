@@ -166,7 +166,7 @@ def test_what_overturns_withholds_the_word_decided(make):
     assert found.text.startswith("Order 2 is the best of those compared, >99.9%; not decided: the ")
     assert "decided at 95%" not in found.text
     assert found.text.endswith("More.")
-    assert found.standing == ">99.9% probable among those compared; not decided: the model misses"
+    assert found.standing == ">99.9% probable among those compared; not decided"
     assert sure.standing == ">99.9% probable; decided at 95%"
 
 
