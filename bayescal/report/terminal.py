@@ -148,7 +148,7 @@ def tabled(
     if not dropped:
         return Group(*parts)
     left = ", ".join(head for head in dict.fromkeys(heads) if head in dropped)
-    return Group(*parts, Text(f"  Too wide to show: {left} (--json has them)."))
+    return Group(*parts, *_indented([f"Too wide to show: {left} (--json has them)."]))
 
 
 def _beside(kept: list[int], widths: list[int], width: int) -> list[list[int]]:
@@ -156,7 +156,7 @@ def _beside(kept: list[int], widths: list[int], width: int) -> list[list[int]]:
     first, *others = kept
     out = [[first]]
     for column in others:
-        if len(out[-1]) > 1 and sum(widths[i] + 2 for i in (*out[-1], column)) > width + 1:
+        if len(out[-1]) > 1 and sum(widths[i] + 2 for i in (*out[-1], column)) > width:
             out.append([first])
         out[-1].append(column)
     return out
