@@ -39,4 +39,6 @@ def covariance_table(names: Sequence[str], matrix: Array) -> Table:
 def _cell(matrix: Array, rho: Array, i: int, j: int) -> Cell:
     if j >= i:
         return Cell(f"{matrix[i, j]:.3g}", float(matrix[i, j]))
-    return Cell("") if isnan(rho[i, j]) else Cell(f"{rho[i, j]:+.3f}", float(rho[i, j]))
+    if isnan(rho[i, j]):
+        return Cell("")
+    return Cell(f"{round(float(rho[i, j]), 3) + 0.0:+.3f}", float(rho[i, j]))

@@ -72,7 +72,7 @@ def models(fleet: Fleet, of: str) -> Tabled:
 
 
 def _count(number: int) -> Cell:
-    return Cell(str(number) if number else "", number)
+    return Cell(str(number), number)
 
 
 def spread(fleet: Fleet) -> Tabled:

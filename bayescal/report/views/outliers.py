@@ -22,7 +22,7 @@ from bayescal.report.blocks import (
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.report.views.views import Views
 from bayescal.report.views.words import MARK, floor_words, prior_words, shape_words
-from bayescal.rounding import counted, percent
+from bayescal.rounding import counted, percent, significant
 
 # Points shown of each axis beside the suspicious ones, unless all are asked for.
 SHOWN = 8
@@ -206,16 +206,20 @@ def _row(point: PointRecord, winner: int) -> tuple[Cell, ...]:
     return (
         Cell(label, point.index),
         Cell(f"{point.measured:.6g}", point.measured),
-        Cell(f"{point.residual:+.3g}", point.residual),
+        Cell(_signed(point.residual), point.residual),
         number_cell(point.standardised, lambda v: f"{v:+.1f}"),
         Cell(f"{point.leverage:.2f}", point.leverage),
         number_cell(point.cook, lambda v: f"{v:.2f}" if v >= 0.005 else "0.00"),
         Cell(_span(point.rejected_at), len(point.rejected_at)),
-        Cell(f"{point.off:+.3g}", point.off),
+        Cell(_signed(point.off), point.off),
         Cell(percent(point.bad_probability), point.bad_probability),
         Cell(f"{point.weight:.2f}", point.weight),
         number_cell(point.log_bayes_factor_without, lambda v: f"{v:+.1f}{changed}"),
     )
+
+
+def _signed(value: float) -> str:
+    return f"{'-' if value < 0 else '+'}{significant(abs(value), 3)}"
 
 
 def _span(orders: tuple[int, ...]) -> str:

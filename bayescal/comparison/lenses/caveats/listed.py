@@ -133,7 +133,7 @@ def influence(basis: Evidenced) -> Finding | None:
     return overturns(
         "influence",
         f"without view {names}{more}{alone} {second.name} would win over {first.name}",
-        f"without a single view {second.name} would win",
+        f"with one view left out {second.name} would win",
     )
 
 

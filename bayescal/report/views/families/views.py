@@ -95,7 +95,7 @@ def full(found: FamilyComparison) -> Blocks:
 
 
 def section(found: FamilyComparison) -> Section:
-    """Show the verdict across families, its numbers, and the best models' parameters."""
+    """Show the verdict across families, its numbers, and what they assume."""
     blocks: list[Block] = [Answers(_answers(found)), *verdict(found), _figure(found, "models")]
     table = models(found, "folded away below")
     blocks.append(table)
@@ -104,17 +104,6 @@ def section(found: FamilyComparison) -> Section:
         table = Tabled("families-all", "Every model compared.", every)
         blocks.append(Details("Every model compared", (table,)))
     blocks.append(Part("What was assumed", (Facts(_assumed(found)),)))
-    left = (_figure(found, "vectors"), *adequacy(found))
-    blocks.append(Part("What is left over, over the image", left))
-    shown = _shown(found)
-    blocks += [Part(f"Parameters of {m.key}", _parameters(m, found)) for m in shown]
-    plausible = found.verdict.plausible
-    rest = [m for m in found.models if m not in shown]
-    rest = [m for m in rest if m.posterior is not None or m.key in plausible]
-    blocks += [Details(f"Parameters of {m.key}", _parameters(m, found, folded=True)) for m in rest]
-    figures = _figure(found, "position"), _figure(found, "correlation")
-    together = (*figures, *_weak(found), *sampling(found))
-    blocks.append(Part("Camera position, and what moves together", together))
     return Section(
         "other-models",
         "Families of models",
@@ -122,6 +111,28 @@ def section(found: FamilyComparison) -> Section:
         "camera position inferred.",
         tuple(blocks),
     )
+
+
+def residuals_section(found: FamilyComparison) -> Section:
+    """Show what the best models leave over."""
+    lead = "Noise has no pattern over the image; what has one is a shape that the model lacks."
+    blocks = (_figure(found, "vectors"), *adequacy(found))
+    return Section("families-residuals", "Residuals of families", lead, blocks)
+
+
+def parameters_section(found: FamilyComparison) -> Section:
+    """Show the parameters of the best models, and of what else is plausible."""
+    shown = _shown(found)
+    blocks: list[Block] = [Part(f"Parameters of {m.key}", _parameters(m, found)) for m in shown]
+    plausible = found.verdict.plausible
+    rest = [m for m in found.models if m not in shown]
+    rest = [m for m in rest if m.posterior is not None or m.key in plausible]
+    blocks += [Details(f"Parameters of {m.key}", _parameters(m, found, folded=True)) for m in rest]
+    figures = _figure(found, "position"), _figure(found, "correlation")
+    together = (*figures, *_weak(found), *sampling(found))
+    blocks.append(Part("Camera position, and what moves together", together))
+    lead = "Where the camera is, and what its optics are, by the most probable models."
+    return Section("families-parameters", "Parameters of families", lead, tuple(blocks))
 
 
 def headlines(found: FamilyComparison) -> list[str]:
@@ -135,7 +146,12 @@ VIEWS = Views(
     brief,
     full,
     headlines,
-    {"families": section, "maps": map_section},
+    {
+        "families": section,
+        "residuals of families": residuals_section,
+        "parameters of families": parameters_section,
+        "maps": map_section,
+    },
     UNSOUND,
 )
 

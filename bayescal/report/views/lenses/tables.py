@@ -22,14 +22,18 @@ def lenses_table(found: LensComparison, most: int) -> Table:
         Column("K", "parameters: lens, six for each view, sigma where inferred"),
         Column("RMS", "distance of points from the least-squares fit, px"),
         *([Column("chi2", "weighted sum of squares")] if known else []),
-        Column("dBIC", "above the smallest"),
+        Column("dBIC", "above the smallest; counts poses, and takes noise as independent"),
         Column("ln Z", "log evidence, error models and poses averaged"),
         Column("±", "its Monte Carlo error"),
         Column("P", "posterior probability, lenses equal before"),
-        Column("elpd", "leave-one-view-out, nat"),
-        Column("d elpd", "against the best, with its standard error"),
-        Column("inside", "largest difference to the best where the points are, px"),
-        Column("image", "the same over the image, px"),
+        Column("elpd", "leave-one-view-out, the pose of the view integrated, nat"),
+        Column("d elpd", "against the best, with its paired standard error"),
+        Column(
+            "inside",
+            "largest difference of fitted predictions to the best lens where the points are, at "
+            "infinity, after the turn that the poses absorb, px; the verdict adds its uncertainty",
+        ),
+        Column("image", "the same over the whole image, px"),
     ]
     least = min(j.bic for j in found.lenses)
     rows = []

@@ -33,6 +33,7 @@ from bayescal.report.views.lenses.words import (
     about,
     assumed,
     bow_words,
+    columns_words,
     error_words,
     lens_footnotes,
     parameters_note,
@@ -48,7 +49,7 @@ from bayescal.rounding import significant
 UNSOUND = "draws did not converge, or an evidence should not be trusted."
 CAPTIONS = {
     "evidence": "Log evidence over the number of radial coefficients, below the best lens; "
-    "dashed: odds of 20 to 1. On the right lenses without an order.",
+    "dashed: odds of 20 to 1. On the right lenses that have one order alone.",
     "models": "Log evidence of each lens below the best; strong colour: not excluded at 95%.",
     "vectors": "What is left over of every point in all views, the target's offsets taken out; "
     "lengths magnified.",
@@ -82,7 +83,7 @@ def verdict(found: LensComparison) -> Blocks:
 def lenses(found: LensComparison) -> Tabled:
     """Show the most probable lenses."""
     caption, notes = "Lens models, the most probable first.", tuple(lens_footnotes(found))
-    return Tabled("lenses", caption, lenses_table(found, SHOWN), notes)
+    return Tabled("lenses", caption, lenses_table(found, SHOWN), notes, columns_words())
 
 
 def parameters(found: LensComparison) -> Tabled:

@@ -13,7 +13,7 @@ from bayescal.rounding import counted, percent, rounded, significant
 
 PRIORS = (
     "ln f about ln(width) sd 0.7, fy/fx sd 0.05, principal point sd 0.1 width about the middle; a "
-    "coefficient by its displacement at the image's corner, N(0, (tau width)^2), tau inferred; "
+    "coefficient by its displacement at the image's corner, N(0, (tau * width)²), tau inferred; "
     "poses uniform"
 )
 
@@ -35,13 +35,13 @@ def assumed(found: LensComparison) -> list[tuple[str, str]]:
     level, factor = found.setting.level.sigma, found.views.sigma is not None
     if level is None:
         what = "a factor on the stated deviations" if factor else "one sigma"
-        noise = f"gaussian, {what} inferred, ln sigma uniform on 0.01 to 10 px"
+        noise = f"Gaussian, {what} inferred, ln sigma uniform on 0.01 to 10 px"
         levels = found.setting.data.levels
         if levels is not None:
             low, high = (significant(float(v)) for v in (levels.min(), levels.max()))
             noise += f"; views of their own levels, {low} to {high} times it, from residuals"
     else:
-        noise = f"gaussian, sigma {level:g}{' times those stated' if factor else ' px'}"
+        noise = f"Gaussian, sigma {level:g}{' times those stated' if factor else ' px'}"
     if found.setting.grid.correlated or found.setting.grid.offsets:
         errors = f"settled before a lens is judged: {error_words(found)}"
     else:
@@ -99,15 +99,20 @@ def bow_words(found: LensComparison) -> str:
     )
 
 
-def lens_footnotes(found: LensComparison) -> list[str]:
-    """Explain the columns."""
-    lines = [
+def columns_words() -> tuple[str, ...]:
+    """Explain the columns where there is no room for more than their heads."""
+    return (
         "Columns inside and image: largest difference of fitted predictions to the best lens in "
         "px, where the points are and over the whole image, at infinity, after the turn that the "
         "poses absorb; the verdict adds their uncertainty.",
         "elpd: leave-one-view-out, the pose of the view integrated; d elpd against the best, ± "
         "its paired standard error. dBIC counts poses, and takes noise as independent.",
-    ]
+    )
+
+
+def lens_footnotes(found: LensComparison) -> list[str]:
+    """Say which lenses the table does not show."""
+    lines = []
     if found.impossible:
         lines.append(f"Not possible, some point can't be seen: {', '.join(found.impossible)}.")
     if len(found.lenses) > SHOWN:

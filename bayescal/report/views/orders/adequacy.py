@@ -84,8 +84,8 @@ def adequacy_lines(tests: Sequence[AdequacyTest]) -> list[str]:
     count = sum(test.p_value is not None for test in tests)
     if count:
         lines.append(
-            f"Holm: p adjusted for the {count} tests of this block; a concern (!) is below 0.05; "
-            "the caveats of the verdict say what it means."
+            f"Holm: p adjusted for the {count} tests of this block; a concern, which is marked, is "
+            "below 0.05; the caveats of the verdict say what it means."
         )
     if any(test.statistic == "ppp" for test in tests):
         lines.append(

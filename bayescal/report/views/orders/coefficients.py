@@ -48,8 +48,8 @@ def _tabled(axis: AxisComparison, result: OrderResult) -> Tabled:
     caption, id = f"Coefficients of {name} at order {result.order}.", f"coefficients-{name}"
     if result is axis.chosen:
         caption = (
-            f"Coefficients {symbol} of {name} at order {result.order}: {symbol}_j multiplies "
-            f"({axis.data.regressor}) to the power j."
+            f"Coefficients {symbol}_0 to {symbol}_{result.order} of {name} at order "
+            f"{result.order}: of the powers 0 to {result.order} of {axis.data.regressor}."
         )
     else:
         id = f"{id}-{result.order}"

@@ -31,7 +31,7 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
     if defence is None:
         return ()
     blocks: list[Block] = []
-    if defence.tau is not None:
+    if defence.tau is not None and len(axis) > 1:
         caption = (
             f"Log evidence of each order of {name} were the strength of the non-linearity, "
             "tau, known beforehand; a fraction of the image."

@@ -23,7 +23,10 @@ def of_axis(comparison: Comparison, axis: AxisComparison) -> Blocks:
         return ()
     blocks: list[Block] = []
     if defence.resampled and len(axis) > 1:
-        words = f"Share of bootstrap resamples that each order of {name} wins."
+        words = (
+            f"Share of bootstrap resamples that each order of {name} wins, and its probability "
+            "where orders beyond the range are compared too."
+        )
         caption = f"Stability of the choice for {name}."
         blocks.append(Figure("bootstrap", comparison, words, name))
         table = stability_table(axis, defence)
