@@ -108,6 +108,7 @@ def test_every_kind_is_drawn_or_says_why_not(case):
             made = figure_bytes(kind.draw(comparison, wanted, order), "svg")
         assert made.startswith(b"<?xml")
         assert b">nan" not in made
+        assert b"[U+" not in made
         text = kind.alt_text(comparison, wanted, order)
         assert text == text.strip()
         assert "nan" not in text.split()

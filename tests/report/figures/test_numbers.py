@@ -54,7 +54,7 @@ def test_verdict_bars_are_the_probabilities(thesis_comparison):
             other = SKY if result.order in axis.verdict.plausible else PALE
             wanted = BLUE if result.order == axis.verdict.order else other
             assert to_hex(bar.get_facecolor()) == wanted
-        written = [text.get_text().replace(" ", "") for text in panel.texts]
+        written = [text.get_text().replace("\u202f", "") for text in panel.texts]
         assert written == [percent(chance) for chance in chances]
     described = KINDS["verdict"].alt_text(thesis_comparison)
     for axis in thesis_comparison.axes.values():

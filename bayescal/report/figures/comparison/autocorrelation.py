@@ -20,7 +20,7 @@ def draw(subject: Subject) -> Figure:
     posterior = subject.result.posterior
     figure, panel = one_panel(WIDTH, 2.9)
     bound = _bound(posterior.chain.draws)
-    label = typeset("95% band of\nindependent draws")
+    label = typeset("95% band") + " of\nindependent draws"
     panel.axhspan(-bound, bound, color=PALE, alpha=0.6, linewidth=0, label=label)
     panel.axhline(0, color=GREY, linewidth=0.7)
     for j, name in enumerate(posterior.names):

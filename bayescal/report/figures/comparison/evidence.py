@@ -80,7 +80,7 @@ def _mark_tau(panel: Axes, axis: AxisComparison) -> None:
         panel.axvline(axis.prior.tau, color=GREY, linewidth=1, label=label)
     else:
         lower, upper = axis.prior.tau_bounds
-        label = typeset(f"prior of an\ninferred tau,\n{lower:.2g} to {upper:g}")
+        label = "prior of an\ninferred tau,\n" + typeset(f"{lower:.2g} to {upper:g}")
         panel.axvspan(lower, upper, color=PALE, alpha=0.35, linewidth=0, label=label)
 
 
