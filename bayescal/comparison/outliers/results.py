@@ -13,6 +13,7 @@ from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.outliers.records import Elimination, PointRecord
 from bayescal.comparison.outliers.shared_errors import SharedError
 from bayescal.comparison.outliers.treatments import Treatment, verdict_words
+from bayescal.markup import bullets, paragraph, table
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.outlier_mixture import OutlierMixture
 from bayescal.noise.student_t import StudentT
@@ -110,6 +111,11 @@ class AxisOutliers(Recommends):
         return tuple(f.text for f in self.findings if f.withholds)
 
     @property
+    def caveats(self) -> tuple[str, ...]:
+        """What else limits what is said of points and orders."""
+        return tuple(f.text for f in self.findings if not f.withholds)
+
+    @property
     def explanations(self) -> tuple[str, ...]:
         """A sentence for each suspicious point, or for those that share an error."""
         together = [s for s in self.shared if s.together]
@@ -139,6 +145,21 @@ class AxisOutliers(Recommends):
     def verdict(self) -> str:
         """Whether the choice of the order depends on how bad points are treated, in words."""
         return verdict_words(self.treatments)
+
+    def _repr_html_(self) -> str:
+        """Show the model's own faults, the verdict and the suspicious points in a notebook."""
+        data = self.data
+        rows = [
+            [p.label, f"{p.measured:g}", f"{p.off:+.3g}", percent(p.bad_probability)]
+            for p in self.suspicious
+        ]
+        unit = "units of y" if data.axis == "y" else "px"
+        caption = f"Suspicious points of {data.axis} at order {self.order}, by the outlier mixture"
+        heads = ["point", f"{data.axis}, {unit}", f"off, {unit}", "P(bad)"]
+        shown = table(caption, heads, rows) if rows else ""
+        first = bullets("Look at the model first", self.against_the_model)
+        last = bullets("Caveats", self.caveats)
+        return first + paragraph(f"{data.axis}: {self.verdict}") + shown + last
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,3 +204,7 @@ class OutlierStudy(ByAxis[AxisOutliers]):
     def __repr__(self) -> str:
         lines = [f"  {name}: {axis.headline}" for name, axis in self.axes.items()]
         return "\n".join(["<OutlierStudy", *lines]) + ">"
+
+    def _repr_html_(self) -> str:
+        """Show every axis in a notebook."""
+        return "".join(axis._repr_html_() for axis in self.axes.values())

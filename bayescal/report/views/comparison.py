@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from bayescal.comparison.orders.averaging import averaged_words
-from bayescal.comparison.results import AxisComparison, Comparison
+from bayescal.comparison.results import Comparison
 from bayescal.report.blocks import Block, Blocks, Facts, Part, Prose, Section, Tabled, listed
 from bayescal.report.views.orders import (
     adequacy,
@@ -74,19 +73,12 @@ def full(comparison: Comparison) -> Blocks:
         numbers = coefficients.coefficients_table(axis, result, full=True)
         part = (
             Facts((*table.assumed(axis), *coefficients.facts(axis, result))),
-            *verdict.caveats(axis),
-            *averaged(axis),
+            *verdict.of_axis(comparison, axis),
             Tabled(f"coefficients-{axis.data.axis}", "", numbers),
             coefficients.exact_tabled(axis, result),
         )
         blocks.append(Part(axis_title(axis), part))
     return (*blocks, *sampling(comparison))
-
-
-def averaged(axis: AxisComparison) -> Blocks:
-    """Say what the choice of this one order leaves out of its intervals."""
-    words = averaged_words(axis.averaged)
-    return (Prose(words),) if words else ()
 
 
 def header(comparison: Comparison) -> Blocks:

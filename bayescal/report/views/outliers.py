@@ -18,6 +18,7 @@ from bayescal.report.blocks import (
     Prose,
     Section,
     Tabled,
+    listed,
 )
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.report.views.views import Views
@@ -35,7 +36,7 @@ def brief(study: OutlierStudy, *, everything: bool = False) -> Blocks:
     blocks: list[Block] = [Listing(tuple(about(study)), "about")]
     for axis in study.axes.values():
         shown = points(axis, study, everything=everything)
-        told = explained(axis), treatments(axis), verdict(axis)
+        told = explained(axis), treatments(axis), *verdict(axis)
         blocks.append(Part(_title(axis), (*model_first(axis), shown, *told)))
     return (*blocks, *(() if study.sound else (Prose(UNSOUND, lead="NOT SOUND"),)))
 
@@ -110,7 +111,7 @@ def _blocks(axis: AxisOutliers, study: OutlierStudy) -> Blocks:
     folded = len(shown.table.rows) < len(axis.points)
     return (
         *model_first(axis),
-        verdict(axis),
+        *verdict(axis),
         explained(axis),
         figure,
         shown,
@@ -151,9 +152,10 @@ def points(axis: AxisOutliers, study: OutlierStudy, *, everything: bool = False)
     )
 
 
-def verdict(axis: AxisOutliers) -> Prose:
-    """Say whether the bad points choose the order."""
-    return Prose(axis.verdict, lead=f"Verdict on {axis.data.axis}")
+def verdict(axis: AxisOutliers) -> Blocks:
+    """Say whether the bad points choose the order, and what limits that."""
+    caveats = listed([f"{caveat}." for caveat in axis.caveats], "caveat")
+    return Prose(axis.verdict, lead=f"Verdict on {axis.data.axis}"), *caveats
 
 
 def treatments(axis: AxisOutliers) -> Tabled:

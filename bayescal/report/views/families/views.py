@@ -84,7 +84,7 @@ def full(found: FamilyComparison) -> Blocks:
     """Everything that ``fit --family`` prints: one model in full."""
     model = found.best
     lines = [*_numbers(model, found), *filter(None, [fit_words(model)])]
-    blocks: list[Block] = [*_header(found), Listing(tuple(lines)), *_caveats(found)]
+    blocks: list[Block] = [*_header(found), Listing(tuple(lines)), *verdict(found)]
     if model.posterior is not None or model.exact:
         blocks.append(parameters(model, found))
     if model.posterior is not None:
@@ -185,7 +185,8 @@ def models(found: FamilyComparison, rest: str) -> Tabled:
 
 def verdict(found: FamilyComparison) -> Blocks:
     """Say in words what was found, with its caveats."""
-    return Prose(found.verdict.text, lead="Verdict across families"), *_caveats(found)
+    lead = "Verdict across families" if len(found.models) > 1 else "Verdict"
+    return Prose(found.verdict.text, lead=lead), *_caveats(found)
 
 
 def _caveats(found: FamilyComparison) -> Blocks:
