@@ -57,7 +57,7 @@ def compare_families(
         Folder that keeps what was sampled without a closed form as soon as it is: called again
         with the same arguments after an interruption, it goes on from there.
     progress : callable, optional
-        Called with the family and its position before its models are fitted.
+        Called with each model's name and 0 before it is judged, and before what follows.
     **options : Options
         Of noise, prior and sampling: see
         `bayescal.comparison.settings.Settings`.

@@ -70,11 +70,11 @@ def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     check_output(options)
     points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
-    kinds = len(asked["families"]) * len(asked["position"] or ("stated",))
     how = {"defend": options.defend, **asked, **given}
-    with resumable(options) as resume:
-        with shared.Progress(options, 0, heavy=kinds) as progress:
-            from bayescal.api.families import compare_families
+    from bayescal.api.families import compare_families, family_request
 
+    steps = family_request(orders=shared.orders_of(options), **asked).n_models + 1
+    with resumable(options) as resume:
+        with shared.Progress(options, 0, heavy=steps) as progress:
             result = compare_families(points, progress=progress, resume=resume, **how)
         return deliver(options, result)

@@ -160,13 +160,14 @@ def _families(
     """Compare families of models of the same points under the comparison's own settings."""
     from dataclasses import asdict
 
-    from bayescal.api.families import compare_families
+    from bayescal.api.families import compare_families, family_request
 
     if result.points is None or len(result.axes) != 2:
         raise InputError(f"{options.points}: holds one axis; families are models of r and c")
     orders = sorted({r.order for axis in result.axes.values() for r in axis.orders})
     given = {k: v for k, v in asdict(result.settings).items() if k != "defend"}
-    with shared.Progress(options, 0, heavy=2 * len(asked["families"])) as progress:
+    steps = family_request(orders=orders, **asked).n_models + 1
+    with shared.Progress(options, 0, heavy=steps) as progress:
         return compare_families(
             result.points, orders=orders, progress=progress, defend=True, **asked, **given
         )

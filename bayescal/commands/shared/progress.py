@@ -65,7 +65,8 @@ class Progress:
 
     def _move(self, count: int, words: str) -> None:
         if self._task is not None:
-            _LINES.display.update(self._task, advance=count, description=words)
+            at = {"at": time.perf_counter() - self._begun} if count else {}
+            _LINES.display.update(self._task, advance=count, description=words, **at)
 
     def __enter__(self) -> Progress:
         if self._shown:
@@ -95,7 +96,7 @@ class _Lines:
                 timer.daemon = True
                 timer.start()
             self._count += 1
-            return self.display.add_task(words, total=total)
+            return self.display.add_task(words, total=total, at=0.0)
 
     def _start(self) -> None:
         with self._lock:
@@ -115,18 +116,40 @@ class _Lines:
 _LINES = _Lines()
 
 
+def time_left(done: float, total: float, at: float, now: float) -> str:
+    """Say how long what is left takes at the pace until now, h:mm:ss; unknown before a first step.
+
+    Parameters
+    ----------
+    done, total : float
+        Steps.
+    at, now : float
+        Seconds that had been taken when the last of them was done, and now.
+    """
+    if not done:
+        return "-:--:--"
+    left = round(max(at * total / done - max(now, at), 0.0))
+    return f"{left // 3600}:{left // 60 % 60:02}:{left % 60:02}"
+
+
 def _display() -> Any:
     """Lines that are redrawn four times a second by a thread of their own, and leave nothing."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,
         Progress,
+        ProgressColumn,
         SpinnerColumn,
         TaskProgressColumn,
         TextColumn,
         TimeElapsedColumn,
-        TimeRemainingColumn,
     )
+
+    class Left(ProgressColumn):
+        """Time left as the steps done until now tell: from the first of them on."""
+
+        def render(self, task: Any) -> Any:
+            return time_left(task.completed, task.total, task.fields["at"], task.elapsed or 0.0)
 
     return Progress(
         SpinnerColumn(),
@@ -135,11 +158,10 @@ def _display() -> Any:
         TaskProgressColumn(),
         TimeElapsedColumn(),
         TextColumn("left"),
-        TimeRemainingColumn(),
+        Left(),
         console=Console(file=sys.stderr, force_terminal=True),
         transient=True,
         refresh_per_second=4,
         redirect_stdout=False,
         redirect_stderr=False,
-        speed_estimate_period=120,
     )

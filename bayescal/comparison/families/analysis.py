@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Any, TypeAlias
 
 from threadpoolctl import threadpool_limits
@@ -31,7 +30,6 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.groups import groups_of
 from bayescal.points.notes import point_notes
-from bayescal.polynomials import separable
 from bayescal.prior.camera import check_inferred, pinhole_prior, position_prior
 
 Progress: TypeAlias = Callable[[str, int], None]
@@ -54,7 +52,7 @@ def compare_joint(
     Parameters
     ----------
     progress : callable, optional
-        Called with the family and its position before its models are judged.
+        Called with each model's name and 0 before it is judged.
     store : Store, optional
         Where posteriors come from; by default they are drawn now.
 
@@ -83,8 +81,10 @@ def compare_joint(
         candidates: list[Candidate[JointModel]] = []
         for family in families:
             for position in request.positions_of(family):
-                candidates += listing(family, position, _orders(family, request))
-        found = judge_all(candidates, kept, settings, _told(progress))
+                candidates += listing(family, position, request.orders_of(family))
+        told = progress or (lambda *_: None)
+        found = judge_all(candidates, kept, settings, lambda key: told(str(key), 0))
+        told("what could be wrong", 0)
         # Probabilities too small for a double are zero, and still have an order.
         models = tuple(sorted(found, key=lambda m: (-(m.probability or 0.0), -m.log_evidence)))
         looked = _looked_at(points, models, candidates, listing, kept, settings)
@@ -148,19 +148,6 @@ def _looked_at(
     return _Looked(argued, tests, grouped, defence)
 
 
-def _told(progress: Progress | None) -> Callable[[Key], None]:
-    """Make of a progress by family and position one by candidates."""
-    said: set[str] = set()
-
-    def tell(key: Key) -> None:
-        words = f"{key.family}, position {key.position}"
-        if progress is not None and words not in said:
-            progress(words, 0)
-        said.add(words)
-
-    return tell
-
-
 def _world_errors(points: Correspondences) -> bool:
     sigma = points.world_sigma()
     return sigma is not None and bool(sigma.any())
@@ -183,14 +170,6 @@ def check_request(request: FamilyRequest, settings: Settings) -> None:
         raise InputError(f"radial must be even or all, not {request.radial!r}")
     if settings.prior == "flat":
         raise InputError("a flat prior has no evidence, which families are compared by; drop it")
-
-
-def _orders(family: str, request: FamilyRequest) -> list[tuple[int, ...]]:
-    """List the orders wanted of a family."""
-    if family != separable.NAME:
-        return [(k,) for k in (request.radial_orders if family == PINHOLE else request.orders)]
-    orders = request.orders
-    return list(request.pairs if request.pairs is not None else product(orders, orders))
 
 
 def _prior_words(

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 from bayescal.comparison.key import FREE, PINHOLE, STATED
+from bayescal.polynomials import separable
 
 if TYPE_CHECKING:
     from bayescal.cameras.pinhole import Radial
@@ -43,3 +45,14 @@ class FamilyRequest:
         """Treatments of the position wanted of a family."""
         default = FREE if family == PINHOLE else STATED
         return tuple(dict.fromkeys(self.positions or (default,)))
+
+    def orders_of(self, family: str) -> list[tuple[int, ...]]:
+        """List the orders wanted of a family."""
+        if family != separable.NAME:
+            return [(k,) for k in (self.radial_orders if family == PINHOLE else self.orders)]
+        return list(self.pairs if self.pairs is not None else product(self.orders, self.orders))
+
+    @property
+    def n_models(self) -> int:
+        """Number of models."""
+        return sum(len(self.orders_of(f)) * len(self.positions_of(f)) for f in self.families)
