@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy.block import adequacy
 from bayescal.comparison.adequacy.outcome import AdequacyTest
+from bayescal.comparison.choosing import prior_rule
 from bayescal.comparison.criteria.goodness import NO_REFERENCE, reference_sigma
 from bayescal.comparison.findings.case import Case, best_of
 from bayescal.comparison.findings.kinds import findings
@@ -25,7 +26,7 @@ from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.orders.sufficiency import sufficiency
 from bayescal.comparison.orders.verdict import AxisVerdict, verdict_on
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.comparison.settings import Settings, prior_rule
+from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.gaussian import GAUSSIAN

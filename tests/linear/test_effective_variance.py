@@ -8,7 +8,8 @@ from scipy import stats
 from scipy.special import logsumexp
 
 import bayescal as bc
-from bayescal.comparison.settings import Settings, noise_level, prior_rule
+from bayescal.comparison.choosing import noise_level, prior_rule
+from bayescal.comparison.settings import Settings
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.effective_variance import with_effective_deviations, world_errors
 from bayescal.linear.least_squares import factorise, solve

@@ -11,17 +11,12 @@ import numpy as np
 
 from bayescal.arrays import Array, frozen
 from bayescal.cameras.pinhole import PinholeGeometry, Radial
+from bayescal.comparison.choosing import check_exact_world, check_resolved, noise_level, prior_rule
 from bayescal.comparison.criteria.goodness import GoodnessOfFit, chi_squared
 from bayescal.comparison.criteria.information import Criteria
 from bayescal.comparison.key import STATED
 from bayescal.comparison.orders.axis import Axis
-from bayescal.comparison.settings import (
-    Settings,
-    check_exact_world,
-    check_resolved,
-    noise_level,
-    prior_rule,
-)
+from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Once, now
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.joint_data import JointData

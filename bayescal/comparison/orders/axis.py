@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.comparison.settings import Settings, check_resolved, noise_level, prior_rule
+from bayescal.comparison.choosing import check_resolved, noise_level, prior_rule
+from bayescal.comparison.settings import Settings
 from bayescal.linear.least_squares import Factorisation, LeastSquaresFit, factorise, solve
 from bayescal.linear.model import LinearModel
 from bayescal.noise.gaussian import GAUSSIAN

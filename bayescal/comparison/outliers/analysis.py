@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_limits
 from bayescal.arrays import Array
 from bayescal.comparison.adequacy.block import adequacy
 from bayescal.comparison.adequacy.normality import NAME as NORMALITY
+from bayescal.comparison.choosing import needs_sigma
 from bayescal.comparison.criteria.information import criteria
 from bayescal.comparison.families.hint import Stated, decisively_better
 from bayescal.comparison.finding import ordered
@@ -32,7 +33,7 @@ from bayescal.comparison.outliers.rejection import RejectionRule
 from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy
 from bayescal.comparison.outliers.shared_errors import shared_errors
 from bayescal.comparison.outliers.treatments import Treatment
-from bayescal.comparison.settings import Settings, needs_sigma
+from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.linear.evidence import log_evidences
