@@ -41,6 +41,8 @@ def remembered(verdicts: Mapping[str, Verdict]) -> Part:
 
 
 def _chance(verdict: Verdict) -> str:
+    if verdict.compared == 1:
+        return "(the only one compared)"
     return f"({percent(verdict.chances[0])})" if verdict.chances else ""
 
 

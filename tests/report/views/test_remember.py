@@ -7,10 +7,10 @@ from bayescal.comparison.orders.verdict import AxisVerdict
 from bayescal.report.views.remember import remembered
 
 
-def verdict(*findings, plausible=(2,), chances=(0.97,)):
+def verdict(*findings, plausible=(2,), chances=(0.97,), compared=3):
     return AxisVerdict(
         order=2,
-        compared=3,
+        compared=compared,
         plausible=plausible,
         chances=chances,
         log_bayes_factor_to_next=3.0,
@@ -33,6 +33,11 @@ def test_nothing_against_it():
         "Against it: nothing that was looked for.",
         "Next: nothing: use it.",
     )
+
+
+def test_an_order_alone_has_no_probability_to_remember():
+    alone = lines(r=verdict(chances=(1.0,), compared=1))
+    assert alone[0] == "Recommended: r: order 2 (the only one compared)."
 
 
 def test_the_gravest_finding_says_what_to_do_and_axes_are_named_where_they_differ():
