@@ -12,6 +12,11 @@ from axe_playwright_python.sync_playwright import Axe
 from PIL import Image
 from playwright.sync_api import Browser, Page
 
+from bayescal.report.blocks import Section, Tabled
+from bayescal.report.page.page import Page as PageOf
+from bayescal.report.page.page import html
+from bayescal.report.table import Cell, Column, Table
+
 
 @contextmanager
 def opened(browser: Browser, path: Path, width: int = 1024, scheme: str = "light", **more: bool):
@@ -101,6 +106,22 @@ def test_paper_shows_what_the_screen_folds_away(browser: Browser, thesis_page: P
         assert not hidden.is_visible()
         page.emulate_media(media="print")
         assert hidden.is_visible()
+
+
+def test_paper_cuts_no_table_off(browser: Browser, tmp_path: Path):
+    """A covariance of 22 parameters, on A4 between the margins."""
+    heads = tuple(Column(f"alpha_{i}") for i in range(23))
+    rows = ((Cell("alpha_1"), *[Cell("-0.00123")] * 22),) * 3
+    wide = Tabled("wide", "Covariance.", Table(heads, rows))
+    sections = (Section("a", "A", "", (wide,)),)
+    path = tmp_path / "wide.html"
+    made = html(PageOf("", (), "", sections, "2026-01-02T03:04:05+00:00"))
+    path.write_text(made, encoding="utf-8")
+    with opened(browser, path, 642) as page:  # 170 mm
+        page.emulate_media(media="print")
+        box = page.locator("#wide table").bounding_box()
+        assert box is not None
+        assert box["x"] + box["width"] <= 642
 
 
 def column(page: Page, number: int) -> list[float]:
