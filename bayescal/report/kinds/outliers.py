@@ -19,7 +19,7 @@ from bayescal.report.run.files import RunFiles
 from bayescal.report.run.kind import RunKind
 from bayescal.report.run.shape import NUMBER, Each, Same
 from bayescal.report.run.store import StoredDraws
-from bayescal.report.views.outliers import VIEWS
+from bayescal.report.views.outliers.views import VIEWS
 
 NOW = "from its draws"
 SHAPE = {

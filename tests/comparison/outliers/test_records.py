@@ -28,7 +28,7 @@ from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.document.outliers import outliers_document
 from bayescal.report.document.shared import schema
 from bayescal.report.terminal import render
-from bayescal.report.views.outliers import brief
+from bayescal.report.views.outliers.views import brief
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,1 @@
+"""An analysis of bad points as people see it."""
