@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.contour import QuadContourSet
 
-from bayescal.report.figures.comparison.corner import LEVELS
+from bayescal.report.figures.corner_plot import LEVELS
 from bayescal.report.figures.registry import KINDS
 from bayescal.report.figures.style import VERMILLION
 

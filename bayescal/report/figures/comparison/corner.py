@@ -2,61 +2,31 @@
 
 from __future__ import annotations
 
-import corner
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bayescal.arrays import Array
-from bayescal.errors import InputError
 from bayescal.linear.closed_form_density import Densities
+from bayescal.report.figures.corner_plot import LEVELS, check_spread, corner_plot, explain
 from bayescal.report.figures.parameters import parameter_label
-from bayescal.report.figures.style import BLUE, VERMILLION, several_panels
+from bayescal.report.figures.style import VERMILLION
 from bayescal.report.figures.subject import Subject
-from bayescal.report.typography import typeset
 from bayescal.rounding import rounded
 
-# Two-dimensional levels of one and two sigma: 1 - exp(-k^2 / 2), not 68 % and 95 %.
-LEVELS = (1 - float(np.exp(-0.5)), 1 - float(np.exp(-2.0)))
-QUANTILES = (0.025, 0.5, 0.975)
-SHARE = 0.997  # of the draws of each parameter is in view
-PANEL, LEAST = 1.0, 5.2  # inches: of a panel, of the whole
 SHOWN_OVER = 12  # parameters up to which the closed form is laid over the draws
 
 
 def draw(subject: Subject) -> Figure:
     """Draw every pair of parameters, and each alone with three quantiles."""
     names, draws = subject.result.posterior.names, _draws(subject)
-    size = len(names)
-    side = max(LEAST, PANEL * size + 1.0)
-    figure = several_panels(side, side, layout=None)
-    corner.corner(
-        draws,
-        labels=[_label(name, subject.unit) for name in names],
-        levels=LEVELS,
-        quantiles=list(QUANTILES),
-        range=[SHARE] * size,
-        bins=30,
-        smooth=1.0,
-        color=BLUE,
-        plot_datapoints=False,
-        fill_contours=True,
-        no_fill_contours=True,  # no white below them: there are no points to hide
-        max_n_ticks=3,
-        labelpad=0.12 * PANEL,
-        label_kwargs={"fontsize": 9},
-        hist_kwargs={"density": True},
-        fig=figure,
-    )
-    panels = np.array(figure.axes).reshape(size, size)
-    for panel in panels.ravel():
-        panel.tick_params(labelsize=6.5)
-    figure.subplots_adjust(left=0.95 / side, bottom=0.95 / side, right=1 - 0.1 / side, top=0.98)
-    overlaid = subject.exact is not None and size <= SHOWN_OVER
-    if subject.exact is not None and overlaid:
+    figure, panels = corner_plot(draws, [_label(name, subject.unit) for name in names])
+    laid_over = []
+    if subject.exact is not None and len(names) <= SHOWN_OVER:
         _overlay(panels, names, Densities(subject.exact))
-    _caption(figure, subject, len(draws), overlaid=overlaid)
+        laid_over.append(Line2D([], [], color=VERMILLION, linewidth=1, label="closed form"))
+    explain(figure, subject.title, f"{len(draws)} draws of emcee", *laid_over)
     return figure
 
 
@@ -64,11 +34,10 @@ def _draws(subject: Subject) -> Array:
     """All draws, ``(n_draws, n_parameters)``; tau, which spans decades, as log10."""
     posterior = subject.result.posterior
     flat = posterior.chain.draws.reshape(-1, len(posterior.names)).copy()
-    for j, name in enumerate(posterior.names):
-        if name == "tau":
-            flat[:, j] = np.log10(flat[:, j])
-        if not np.ptp(flat[:, j]) > 0:
-            raise InputError(f"corner of {subject.title}: the draws of {name} don't differ")
+    if "tau" in posterior.names:
+        j = posterior.names.index("tau")
+        flat[:, j] = np.log10(flat[:, j])
+    check_spread(flat, posterior.names, subject.title)
     return flat
 
 
@@ -93,26 +62,6 @@ def _overlay(panels: Array, names: tuple[str, ...], densities: Densities) -> Non
             )
             panel.set_xlim(limits[0])
             panel.set_ylim(limits[1])
-
-
-def _caption(figure: Figure, subject: Subject, draws: int, *, overlaid: bool) -> None:
-    """Write, in the empty corner, what the lines and contours are."""
-    handles = [Line2D([], [], color=BLUE, linewidth=5, alpha=0.6, label=f"{draws} draws of emcee")]
-    if overlaid:
-        handles.append(Line2D([], [], color=VERMILLION, linewidth=1, label="closed form"))
-    handles.append(
-        Line2D([], [], color=BLUE, linestyle="--", linewidth=1, label=typeset("2.5%, 50%, 97.5%"))
-    )
-    inner, outer = (typeset(f"{100 * level:.1f}%") for level in LEVELS)
-    figure.legend(
-        handles=handles,
-        loc="upper right",
-        bbox_to_anchor=(0.995, 0.985),
-        alignment="left",
-        title=f"{subject.title}\ncontours: {inner} and {outer} of the\nprobability (1 and 2 sigma "
-        "in two\ndimensions)",
-        title_fontsize=8.5,
-    )
 
 
 def _label(name: str, unit: str) -> str:
