@@ -20,6 +20,7 @@ from bayescal.report.views.orders import (
 )
 from bayescal.report.views.remember import remembered
 from bayescal.report.views.views import Views, axis_title
+from bayescal.report.views.words import distrust
 from bayescal.rounding import grouped
 
 # A topic is one module in orders/ and one line here.
@@ -89,7 +90,7 @@ def header(comparison: Comparison) -> Blocks:
 def sampling(comparison: Comparison) -> Blocks:
     """Say whether the draws can be trusted, for all models at once."""
     words = Prose(chains.sampling_words(comparison), lead="Sampling")
-    return (words,) if comparison.sound else (words, Prose(UNSOUND, lead="NOT SOUND"))
+    return words, *distrust(UNSOUND, sound=comparison.sound)
 
 
 def about(comparison: Comparison) -> list[str]:

@@ -1,4 +1,4 @@
-"""Noise and prior of an axis in words, whatever they are."""
+"""What views of every kind say alike: noise, prior, verdict, caveats."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from bayescal.noise.level import WHOLE_PIXEL, NoiseLevel
 from bayescal.noise.model import NoiseModel
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.prior.amplitudes import PriorRule
+from bayescal.report.blocks import Blocks, Prose, listed
 from bayescal.rounding import counted
 
 # Beside a number whose evidence should not be trusted.
@@ -89,3 +90,18 @@ def p_words(value: float) -> str:
 def one_decimal(value: float) -> str:
     """Format with one decimal, or three digits where that would be too wide."""
     return f"{value:.1f}" if abs(value) < 1e5 else f"{value:.3g}"
+
+
+def verdict_blocks(verdict: Verdict, lead: str) -> Blocks:
+    """Say a verdict in words, with its caveats."""
+    return Prose(verdict.text, lead=lead), *caveats(verdict)
+
+
+def caveats(verdict: Verdict) -> Blocks:
+    """Say what stands against a verdict or limits it, the gravest first."""
+    return listed([f"{caveat}." for caveat in verdict.caveats], "caveat")
+
+
+def distrust(why: str, *, sound: bool) -> Blocks:
+    """Say why a result must not be trusted; nothing where it is sound."""
+    return () if sound else (Prose(why, lead="NOT SOUND"),)

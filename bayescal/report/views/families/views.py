@@ -44,7 +44,7 @@ from bayescal.report.views.maps import map_section
 from bayescal.report.views.orders.adequacy import adequacy_blocks
 from bayescal.report.views.remember import remembered
 from bayescal.report.views.views import Views
-from bayescal.report.views.words import doubts
+from bayescal.report.views.words import distrust, doubts, verdict_blocks
 from bayescal.rounding import percent, significant
 
 UNSOUND = "some draws did not converge, or an evidence should not be trusted; see the caveats."
@@ -186,11 +186,7 @@ def models(found: FamilyComparison, rest: str) -> Tabled:
 def verdict(found: FamilyComparison) -> Blocks:
     """Say in words what was found, with its caveats."""
     lead = "Verdict across families" if len(found.models) > 1 else "Verdict"
-    return Prose(found.verdict.text, lead=lead), *_caveats(found)
-
-
-def _caveats(found: FamilyComparison) -> Blocks:
-    return listed([f"{caveat}." for caveat in found.verdict.caveats], "caveat")
+    return verdict_blocks(found.verdict, lead)
 
 
 def adequacy(found: FamilyComparison) -> Blocks:
@@ -231,7 +227,7 @@ def sampling(found: FamilyComparison) -> Blocks:
     """Say how the sampling of all models went; nothing where none was sampled."""
     words = sampling_words(found)
     said = (Prose(words, lead="Sampling"),) if words else ()
-    return said if found.sound else (*said, Prose(UNSOUND, lead="NOT SOUND"))
+    return (*said, *distrust(UNSOUND, sound=found.sound))
 
 
 def _numbers(model: JointModel, found: FamilyComparison) -> tuple[str, str]:

@@ -43,7 +43,7 @@ from bayescal.report.views.lenses.words import (
 )
 from bayescal.report.views.maps import map_section
 from bayescal.report.views.views import Views
-from bayescal.report.views.words import doubts
+from bayescal.report.views.words import distrust, doubts, verdict_blocks
 from bayescal.rounding import significant
 
 UNSOUND = "draws did not converge, or an evidence should not be trusted."
@@ -66,18 +66,12 @@ def brief(found: LensComparison) -> Blocks:
         *listed(about(found), "about"),
         Facts(tuple(assumed(found))),
         lenses(found),
-        *verdict(found),
+        *verdict_blocks(found.verdict, "Verdict"),
         *gross(found),
         parameters(found),
         places(found),
         *sampling(found),
     )
-
-
-def verdict(found: LensComparison) -> Blocks:
-    """Say in words what was found, with its caveats."""
-    caveats = listed([f"{caveat}." for caveat in found.verdict.caveats], "caveat")
-    return (Prose(found.verdict.text, lead="Verdict"), *caveats)
 
 
 def lenses(found: LensComparison) -> Tabled:
@@ -112,13 +106,14 @@ def places(found: LensComparison) -> Tabled:
 
 def sampling(found: LensComparison) -> Blocks:
     """Say how the draws were made, and whether they can be trusted."""
-    said = (Prose(sampling_words(found), lead="Sampling"),)
-    return said if found.sound else (*said, Prose(UNSOUND, lead="NOT SOUND"))
+    said = Prose(sampling_words(found), lead="Sampling")
+    return said, *distrust(UNSOUND, sound=found.sound)
 
 
 def verdict_section(found: LensComparison) -> Section:
     """Open the page: which lens, how sure, with which caveats."""
-    blocks = (Answers(_answers(found)), *verdict(found), Facts(tuple(assumed(found))))
+    told = verdict_blocks(found.verdict, "Verdict")
+    blocks = (Answers(_answers(found)), *told, Facts(tuple(assumed(found))))
     return Section("verdict", "Verdict", "Which lens do these views support?", blocks)
 
 

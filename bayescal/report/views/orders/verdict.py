@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.report.blocks import Answer, Answers, Blocks, Figure, Prose, listed
+from bayescal.report.blocks import Answer, Answers, Blocks, Figure
 from bayescal.report.views.views import Topic
-from bayescal.report.views.words import doubts
+from bayescal.report.views.words import doubts, verdict_blocks
 
 
 def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
     """Say the verdict in words, with its caveats."""
-    verdict = Prose(axis.verdict.text, lead=f"Verdict on {axis.data.axis}")
-    return verdict, *caveats(axis)
+    return verdict_blocks(axis.verdict, f"Verdict on {axis.data.axis}")
 
 
 def at_a_glance(comparison: Comparison) -> Blocks:
@@ -33,11 +32,6 @@ TOPIC = Topic(
     of_axis,
     before=at_a_glance,
 )
-
-
-def caveats(axis: AxisComparison) -> Blocks:
-    """Say what stands against the verdict or limits it, the gravest first."""
-    return listed([f"{caveat}." for caveat in axis.verdict.caveats], "caveat")
 
 
 def _answer(axis: AxisComparison) -> Answer:

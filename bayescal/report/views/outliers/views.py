@@ -20,7 +20,7 @@ from bayescal.report.blocks import (
 )
 from bayescal.report.views.outliers.tables import points_table, treatments_table
 from bayescal.report.views.views import Views
-from bayescal.report.views.words import MARK, floor_words, prior_words, shape_words
+from bayescal.report.views.words import MARK, distrust, floor_words, prior_words, shape_words
 from bayescal.rounding import counted, percent
 
 UNSOUND = f"{MARK} marks an evidence that should not be trusted, or chains that did not converge."
@@ -33,7 +33,7 @@ def brief(study: OutlierStudy, *, everything: bool = False) -> Blocks:
         shown = points(axis, study, everything=everything)
         told = explained(axis), treatments(axis), *verdict(axis)
         blocks.append(Part(_title(axis), (*model_first(axis), shown, *told)))
-    return (*blocks, *(() if study.sound else (Prose(UNSOUND, lead="NOT SOUND"),)))
+    return (*blocks, *distrust(UNSOUND, sound=study.sound))
 
 
 def section(study: OutlierStudy) -> Section:
