@@ -70,3 +70,28 @@ def fitted(model: LensModel, data: Observations) -> Fit:
     plain = radial(0)
     first = start_fit(plain, data)
     return least_squares(model, data, carried(plain, first.x, model), first.poses)
+
+
+def wide_pictures(
+    rng: np.random.Generator, n_views: int = 12, k: tuple[float, ...] = (0.05, -0.01, 0.003, -0.001)
+) -> list[tuple[Array, Array]]:
+    """Targets and pixels of a fisheye of 150 degrees by OpenCV's model, noise of 0.2 px.
+
+    Of a view those points that the image holds.
+    """
+    matrix = np.array([[210.0, 0, 320], [0, 210.5, 240], [0, 0, 1]])
+    world, found = board(11, 7, 40.0), []
+    while len(found) < n_views:
+        away, about = rng.uniform(0, 1.2), rng.uniform(0, 2 * np.pi)
+        ahead = np.array([np.sin(away) * np.cos(about), np.sin(away) * np.sin(about), np.cos(away)])
+        across = np.cross([0, 1, 0], ahead) / np.linalg.norm(np.cross([0, 1, 0], ahead))
+        facing = np.stack([across, np.cross(ahead, across), ahead], axis=1)
+        turn, _ = cv2.Rodrigues(facing @ cv2.Rodrigues(rng.normal(0, 0.4, 3))[0])
+        at = rng.uniform(200, 500) * ahead
+        if (world @ cv2.Rodrigues(turn)[0].T + at)[:, 2].min() < 20:
+            continue
+        pixels = cv2.fisheye.projectPoints(world[None], turn, at, matrix, np.array(k))[0][0]
+        inside = ((pixels > 0) & (pixels < np.array(SIZE) - 1)).all(axis=1)
+        if inside.sum() >= 40:
+            found.append((world[inside], pixels[inside] + rng.normal(0, 0.2, (inside.sum(), 2))))
+    return found

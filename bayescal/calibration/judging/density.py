@@ -37,6 +37,7 @@ from bayescal.inference.t_mixture import cholesky
 from bayescal.prior.strength import Strength
 
 AT_A_TIME = 50_000  # numbers of residuals
+MUCH, MORE_STEPS = 0.5, 4  # share of squares that poses' first step may take; steps after it
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,14 +167,36 @@ class Problem:
         return np.concatenate(parts) if parts else np.empty(0)
 
     def _squares(self, x: Array) -> Array:
+        poses = self.poses_at(x)
+        total, moves = self._profiled(x, poses)
+        for _ in range(MORE_STEPS):
+            at = np.flatnonzero(~np.isnan(moves[:, 0, 0]))
+            if not len(at):
+                break
+            moved = Poses(poses.rotation[at], poses.translation[at]).moved(moves[at])
+            poses.rotation[at], poses.translation[at] = moved.rotation, moved.translation
+            total[at], moves[at] = self._profiled(x[at], moved)
+        return total
+
+    def _profiled(self, x: Array, poses: Poses) -> tuple[Array, Array]:
+        """Give sums of squares one step of the poses on, and that step where it takes much.
+
+        Infinite where a point can't be seen; steps ``(n_draws, n_views, 6)``, NaN where small. A
+        sum of which a step takes much is given as it is before the step.
+        """
         with np.errstate(all="ignore"):
-            misfit, possible = residuals(self.model, self.data, x, self.poses_at(x))
+            misfit, possible = residuals(self.model, self.data, x, poses)
             if not possible.all():
                 misfit = np.where(possible[:, None, None, None], misfit, 0.0)
             arranged, weighted, taken = self._weighed(misfit)
-            total = np.einsum("vasn,vasn->s", arranged, weighted)
-            total -= np.einsum("si,si->s", taken, taken)
-        return np.where(possible & np.isfinite(total), np.maximum(total, 0.0), np.inf)
+            whole = np.einsum("vasn,vasn->s", arranged, weighted)
+            by_pose = taken[:, : 6 * self.data.n_views]
+            much = np.einsum("si,si->s", by_pose, by_pose) > MUCH * whole
+            total = np.where(much, whole, whole - np.einsum("si,si->s", taken, taken))
+            possible &= np.isfinite(total)
+            steps = by_pose.reshape(len(x), -1, 6)[..., None, :] @ self._pose_whiteners
+        moves = np.where((much & possible)[:, None, None], steps[..., 0, :], np.nan)
+        return np.where(possible, np.maximum(total, 0.0), np.inf), moves
 
     def only(self, views: IntArray) -> Problem:
         """Give the same lens under the same error model for some of the views."""

@@ -14,17 +14,20 @@ from bayescal.calibration.judging.expansion import Expansion
 from bayescal.calibration.model.strengths import COARSE, strengths
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.optimum import Mode
+from bayescal.inference.proposals.adaptation import adapt
 from bayescal.inference.proposals.laplace_mixture import mixture_about
 from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import resampled
 
 SETTLE_STEPS, HALVINGS = 20, 6
+HEADROOM = 10.0  # nat: the likelihood is largest somewhat beside the posterior's mean
 SLACK = 1.0  # nat: a posterior's mean may lie lower than where a step begins
 NEAR = 0.01  # posterior deviations: a step this short leaves a reference that is settled
 COMPONENTS, COVERED = 40, 0.999  # of the mixture; share of the mass they hold
 DRAWS = 2000
 CORRECTED = 50  # draws at which an expansion is corrected
 NEAR_SHARE = 0.05  # of the evidence, root mean square: an expansion that lacks more is of no use
+SHRUNK, MET, MODES = 8, 0.5, 3  # halvings of a proposal; share of its draws; modes that are held
 
 
 def settled(problem: Problem) -> Problem:
@@ -64,8 +67,18 @@ def height(problem: Problem) -> float:
     """Log density at the reference, poses at their next step; -inf where it can't see a point."""
     if not problem.stack.possible:
         return -math.inf
-    likelihood = problem.likelihood_of(np.array([problem.reduced.sum_of_squares]), np.zeros(1))
+    try:
+        squares = np.array([problem.reduced.sum_of_squares])
+    except np.linalg.LinAlgError:  # so far off that rounding is all that is left
+        return -math.inf
+    likelihood = problem.likelihood_of(squares, np.zeros(1))
     return float((likelihood + problem.log_prior(problem.x[None]))[0])
+
+
+def ceiling(problem: Problem) -> float:
+    """Log likelihood at a settled reference, sigma integrated: no evidence is above the largest."""
+    squares = np.array([problem.reduced.sum_of_squares])
+    return float(problem.likelihood_of(squares, np.zeros(1))[0]) + HEADROOM
 
 
 def proposal(problem: Problem) -> tuple[TMixture, tuple[Mode, ...]]:
@@ -121,6 +134,21 @@ def weighed(
     error = math.hypot(found.error, float(lacking.std(ddof=1)) / math.sqrt(few))
     log_evidence = found.log_evidence + math.log1p(float(lacking.mean()))
     return replace(found, log_evidence=log_evidence, error=error), draws, log_weights
+
+
+def adapted(problem: Problem, rng: np.random.Generator, n: int) -> EvidenceEstimate:
+    """Evidence by a proposal that follows a ridge or a bound, where expansions do not."""
+    mixture, modes = proposal(problem)
+    draws = mixture.draw(rng, n)
+    for shrunk in 0.5 ** np.arange(SHRUNK):  # until some of the draws can be seen
+        if np.isfinite(problem.squares(problem.x + shrunk * (draws - problem.x))).mean() > MET:
+            break
+    near = (
+        Mode(problem.x + shrunk * (m.theta - problem.x), m.log_mass, shrunk * m.root) for m in modes
+    )
+    found = adapt(problem.log_prob, tuple(near)[:MODES], rng).proposal
+    draws = found.draw(rng, n)
+    return from_weights(problem.log_prob(draws) - found.log_density(draws))
 
 
 def drawn(density: Problem | Expansion, rng: np.random.Generator, n: int) -> Array:

@@ -14,7 +14,7 @@ from bayescal.calibration.fitting.least_squares import Fit, with_bow
 from bayescal.calibration.fitting.reduction import Sums, eliminate_independent, reduce
 from bayescal.calibration.fitting.stacking import Poses
 from bayescal.calibration.judging.density import Problem
-from bayescal.calibration.judging.evidence import height, settled, weighed
+from bayescal.calibration.judging.evidence import adapted, ceiling, height, settled, weighed
 from bayescal.calibration.judging.expansion import Expansion, expanded, near
 from bayescal.calibration.judging.laplace import Forms, Laplace, Level, constant, degrees, laplace
 from bayescal.calibration.model.error_grid import Averaged, ErrorGrid, Node, follow
@@ -26,6 +26,8 @@ from bayescal.inference.estimate import EvidenceEstimate
 TURNS = 4  # of the most probable error model and its mode at most
 NEARLY = 1.0  # nat: nodes looked at before residuals are linearised about the best
 AT_ONCE = 2_000_000  # numbers of offsets' precisions: 16 MB
+FEWEST = 20  # effective draws: fewer tell nothing
+UNMET = "its posterior was not found; the likelihood at its fit bounds its evidence from above"
 KEPT = 64  # normal equations held at a time: up to some MB each
 
 
@@ -157,11 +159,25 @@ def lens_evidence(
         node = errors.nodes[0]
         reference = settled(setting.under(reference, node))
     estimate, _, _ = weighed(expanded(reference), rng, draws)
-    (linear,) = comparer((node,))
-    if not math.isfinite(estimate.log_evidence):  # no draw was possible; its warning says so
-        estimate = replace(estimate, log_evidence=linear)
-    correction = estimate.log_evidence - linear
-    total = errors.log_evidence + correction
+    return _found(errors, reference, estimate, setting)
+
+
+def sought(found: LensEvidence, setting: Setting, rng: np.random.Generator, draws: int) -> Weighed:
+    """Weigh a lens again whose posterior is far from the normal that was taken for it."""
+    return _found(found.errors, found.problem, adapted(found.problem, rng, draws), setting)
+
+
+def _found(
+    errors: Averaged, reference: Problem, estimate: EvidenceEstimate, setting: Setting
+) -> Weighed:
+    """Average over the error models; where hardly a draw met the posterior, bound it."""
+    top = ceiling(reference)
+    if estimate.log_evidence > top or estimate.effective_fraction * estimate.draws < FEWEST:
+        estimate = replace(estimate, log_evidence=top, error=math.inf, warnings=(UNMET,))
+        return Weighed(errors, reference.x, reference.poses, estimate, top)
+    # What the most probable error model lacks by linear algebra, the others lack too.
+    share = math.log(errors.weights[0]) - setting.grid.log_prior(errors.nodes[0])
+    total = estimate.log_evidence - share
     return Weighed(errors, reference.x, reference.poses, estimate, total)
 
 

@@ -13,13 +13,14 @@ from threadpoolctl import threadpool_limits
 from bayescal.arrays import Array
 from bayescal.calibration.judging.averaging import ErrorAverage
 from bayescal.calibration.judging.evidence import proposal
-from bayescal.calibration.judging.judge import Setting
+from bayescal.calibration.judging.judge import LensEvidence, Setting, Weighed, sought
 from bayescal.calibration.judging.laplace import Level, degrees
 from bayescal.calibration.judging.sampled import SampledLens
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.caveats.listed import lens_findings
+from bayescal.comparison.lenses.fitted import judged_lens
 from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.gross_errors import gross_errors
 from bayescal.comparison.lenses.judging import judge_lenses, plausible_others
@@ -46,7 +47,8 @@ from bayescal.points.views.views import Views
 
 PROBABLE = 1e-3  # lenses less probable than this are not looked at view by view
 MOST_LOOKED_AT = 6
-FEWEST = 20  # effective importance draws of the best lens: with fewer nothing can be said
+FEW = 0.1  # effective share of draws: a rival with fewer is weighed again
+REACH = 10.0  # nat: a lens that is further below the best is no rival
 
 Progress = Callable[[str], None]
 
@@ -93,12 +95,10 @@ def _compared(
             "judge a lens by; add views or points"
         )
     judged = judge_all(sweep, store, settings, lambda key: progress(str(key)))
-    unmet = [j.name for j in judged if not math.isfinite(j.log_evidence_error)]
-    judged = with_probabilities([j for j in judged if j.name not in unmet])
-    if not judged and not unmet:
+    if not judged:
         raise InputError("calibrate: no lens can see all points of these views")
-    lenses = ranked(judged)
-    if not lenses or _effective(lenses[0]) < FEWEST:
+    lenses, unmet = _parted(_sought(judged, setting, request, settings, store, progress))
+    if not lenses:
         raise InputError(
             f"{views.source}: these views hardly say what the lens is (are they all alike?); add "
             "views from other sides and distances"
@@ -126,9 +126,41 @@ def _compared(
     )
 
 
-def _effective(judged: JudgedLens) -> float:
-    estimate = judged.evidence.estimate
-    return estimate.effective_fraction * estimate.draws
+def _sought(
+    judged: Sequence[JudgedLens],
+    setting: Setting,
+    request: LensRequest,
+    settings: Settings,
+    store: Store,
+    progress: Progress,
+) -> list[JudgedLens]:
+    """Weigh rivals again of whose draws few were effective."""
+    least = _best(judged) - REACH
+    out = list(judged)
+    for number, one in enumerate(judged):
+        if one.evidence.estimate.effective_fraction > FEW or one.log_evidence < least:
+            continue
+        progress(f"{one.name} once more")
+        rng = one.key.rng(settings.seed, 3)
+        again = partial(sought, one.evidence, setting, rng, request.draws)
+        found = store.once_of(one.key)("evidence sought", Weighed, again)
+        evidence = LensEvidence.of(found, one.model, setting)
+        out[number] = judged_lens(one.candidate, one.model, one.fit, setting, evidence)
+    return out
+
+
+def _best(judged: Sequence[JudgedLens]) -> float:
+    """Largest log evidence of those that were found."""
+    found = (j.log_evidence for j in judged if math.isfinite(j.log_evidence_error))
+    return max(found, default=-math.inf)
+
+
+def _parted(judged: Sequence[JudgedLens]) -> tuple[tuple[JudgedLens, ...], list[str]]:
+    """Rank lenses, and name those that might win had their posteriors been found."""
+    least = _best(judged) - REACH
+    unmet = [j for j in judged if math.isinf(j.log_evidence_error) and j.log_evidence > least]
+    ranking = ranked(with_probabilities([j for j in judged if j not in unmet]))
+    return ranking, [j.name for j in unmet]
 
 
 def level_of(settings: Settings) -> Level:

@@ -138,7 +138,8 @@ class Sweep:
             )
 
     def _judged(self, found: JudgedLens) -> None:
-        self._evidence[found.name] = found.log_evidence
+        met = math.isfinite(found.log_evidence_error)
+        self._evidence[found.name] = found.log_evidence if met else -math.inf
         # The next lens's errors are likely to be those of this one.
         self._start = tuple(dict.fromkeys((INDEPENDENT, *found.evidence.errors.nodes[:1])))
 
