@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -12,6 +14,7 @@ from bayescal.calibration.judging.evidence import drawn, settled
 from bayescal.calibration.judging.expansion import Expansion
 from bayescal.calibration.judging.judge import LensEvidence, Setting
 from bayescal.calibration.model.error_grid import Node
+from bayescal.calibration.model.strengths import strengths
 from bayescal.inference.weighting import resampled
 
 FEWEST = 20  # draws at a time from an error model: fewer can't be picked by their weights
@@ -24,10 +27,19 @@ class ErrorAverage:
         self.evidence, self.setting = evidence, setting
         self._made: dict[Node, Problem | Expansion] = {evidence.errors.nodes[0]: evidence.density}
 
+    @cached_property
+    def _offering(self) -> Problem:
+        """Offer other error models the strengths that matter under the best of them."""
+        problem = self.evidence.problem
+        likely = strengths(problem.model).only(problem.laplace.likely)
+        found = replace(problem, offered=likely)
+        found.__dict__["stack"] = problem.stack
+        return found
+
     def density(self, node: Node) -> Problem | Expansion:
         """Put the lens under an error model."""
         if node not in self._made:
-            base, problem = self.evidence.density, self.setting.under(self.evidence.problem, node)
+            base, problem = self.evidence.density, self.setting.under(self._offering, node)
             if isinstance(base, Expansion):
                 self._made[node] = Expansion(problem, base.terms)
             else:

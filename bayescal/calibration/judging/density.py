@@ -52,6 +52,8 @@ class Problem:
         Noise within the views.
     root : Array or None
         Of the covariance of the target's offsets.
+    offered : Strengths or None
+        Combinations of strengths; None for the usual ones.
     """
 
     model: LensModel
@@ -61,6 +63,7 @@ class Problem:
     shared: Shared
     root: Array | None
     level: Level = INFERRED
+    offered: Strengths | None = None
 
     @property
     def problem(self) -> Problem:
@@ -283,7 +286,7 @@ class Problem:
     @cached_property
     def laplace(self) -> Laplace:
         """Posterior by linear algebra about the reference."""
-        return self.laplace_over(strengths(self.model))
+        return self.laplace_over(self.offered or strengths(self.model))
 
     def laplace_over(self, prior: Strengths) -> Laplace:
         """Give it with other combinations of strengths."""

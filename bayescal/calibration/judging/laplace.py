@@ -30,8 +30,9 @@ REACH = 50.0  # diagonals: positions of the target are uniform within it
 LOG_POSE = -math.log(8 * math.pi**2) - math.log(4 / 3 * math.pi * REACH**3)
 NEGLIGIBLE = 16.0  # nat below the best: combinations of strengths that are dropped after a step
 LIKELY = 9.0  # nat below the best: those that are enough where evidences are compared
+MANY = 64  # combinations of which some are worth dropping
 STEPS = 4  # of sigma and mode in turn at most: it falls by about a thousand a step near the mode
-SETTLED = 1e-6  # relative change of sigma^2 that needs no further step
+SETTLED = 1e-4  # relative change of sigma^2 that needs no further step: its square is lost
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,7 @@ def laplace(forms: Forms, x: Array, prior: Strengths, level: Level = INFERRED) -
         curvature = rows.curvature(variance)
         step, uphill, squares = rows.modes(curvature, variance)
         before, variance = variance, level.variance(squares, rows.nu)
-        if turn == 0 and len(variance) > n:
+        if turn == 0 and len(variance) > MANY * n:
             rough = rows.height(level, step, squares) - np.linalg.slogdet(curvature)[1] / 2
             best = np.maximum.reduceat(rough, np.searchsorted(rows.form, np.arange(n)))
             some = np.flatnonzero(rough > best[rows.form] - NEGLIGIBLE)
