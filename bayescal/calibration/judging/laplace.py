@@ -32,7 +32,7 @@ NEGLIGIBLE = 16.0  # nat below the best: combinations of strengths that are drop
 LIKELY = 9.0  # nat below the best: those that are enough where evidences are compared
 MANY = 64  # combinations of which some are worth dropping
 STEPS = 4  # of sigma and mode in turn at most: it falls by about a thousand a step near the mode
-SETTLED = 1e-4  # relative change of sigma^2 that needs no further step: its square is lost
+SETTLED = 1e-5  # relative change of sigma^2 that needs no further step
 
 
 @dataclass(frozen=True)

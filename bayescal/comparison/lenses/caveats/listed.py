@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.finding import Finding, limits, overturns
@@ -90,7 +90,7 @@ def chi_squared(basis: Evidenced) -> Finding | None:
     # Offsets of the target have normal priors: they take no degrees of freedom.
     dof = degrees(problem.data) - problem.model.dimension
     value = problem.reduced.sum_of_squares / sigma**2
-    if chi2.sf(value, dof) >= GRAVE:
+    if chdtrc(dof, value) >= GRAVE:
         return None
     return overturns(
         "chi-squared",

@@ -8,7 +8,7 @@ from collections import Counter
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
-from scipy.stats import ttest_1samp
+from scipy.special import stdtr
 
 from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.finding import Finding, limits, overturns
@@ -149,8 +149,10 @@ def by_place(basis: Evidenced) -> Finding | None:
             if views.sum() < FEW_VIEWS:
                 continue
             own = (residuals * here[..., None]).sum(axis=1)[views] / counts[views][:, None]
-            means.append(np.abs(own.mean(axis=0)))
-            p_values.append(ttest_1samp(own, 0.0).pvalue)
+            mean, error = own.mean(axis=0), own.std(axis=0, ddof=1) / math.sqrt(len(own))
+            means.append(np.abs(mean))
+            # Student's t: scipy.stats has it too, whose import takes a third of the command's.
+            p_values.append(2 * stdtr(len(own) - 1, -np.abs(mean) / error))
     if not means:
         return None
     size, p = np.array(means), np.array(p_values)
