@@ -272,6 +272,6 @@ def _nearest(modes: tuple[Mode, ...], theta: Array) -> Array:
     """Mode of the Laplace approximation that each draw most probably belongs to."""
     distances = []
     for mode in modes:
-        z = np.linalg.solve(mode.root, (theta - mode.theta).T)
-        distances.append((z**2).sum(axis=0) / 2 + np.log(np.diag(mode.root)).sum())
+        z = (theta - mode.theta) @ np.linalg.inv(mode.root).T
+        distances.append((z**2).sum(axis=1) / 2 + np.log(np.diag(mode.root)).sum())
     return np.asarray(np.argmin(distances, axis=0))

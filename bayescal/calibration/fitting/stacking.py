@@ -149,12 +149,16 @@ def residuals(
 
 def stacked(model: LensModel, data: Observations, x: Array, poses: Poses) -> Stacked:
     """Residuals and derivatives at coordinates ``(dimension,)``."""
+    with np.errstate(all="ignore"):  # steps may lead to lenses that see nothing
+        return _stacked(model, data, x, poses)
+
+
+def _stacked(model: LensModel, data: Observations, x: Array, poses: Poses) -> Stacked:
     intrinsics, k, bow = model.physical(x)
     rays = camera_points(model, data, bow, poses)
     flat = rays.reshape(-1, 3)
-    with np.errstate(all="ignore"):
-        found = model.lens.jacobian(flat, k)
-        visible = model.lens.seen(flat, k).reshape(rays.shape[:-1])
+    found = model.lens.jacobian(flat, k)
+    visible = model.lens.seen(flat, k).reshape(rays.shape[:-1])
     shape = rays.shape[:2]
     scale, centre, weight = intrinsics[:2], intrinsics[2:], data.weight
     plane, gain = scale * found.plane.reshape(*shape, 2), (scale * weight)[..., None]

@@ -30,9 +30,10 @@ REACH = 50.0  # diagonals: positions of the target are uniform within it
 LOG_POSE = -math.log(8 * math.pi**2) - math.log(4 / 3 * math.pi * REACH**3)
 NEGLIGIBLE = 16.0  # nat below the best: combinations of strengths that are dropped after a step
 LIKELY = 9.0  # nat below the best: those that are enough where evidences are compared
+UNTOLD = 1e-60  # precision of a coordinate of which points tell nothing
 MANY = 64  # combinations of which some are worth dropping
 STEPS = 4  # of sigma and mode in turn at most: it falls by about a thousand a step near the mode
-SETTLED = 1e-5  # relative change of sigma^2 that needs no further step
+SETTLED = 1e-6  # relative change of sigma^2 that needs no further step
 
 
 @dataclass(frozen=True)
@@ -151,7 +152,7 @@ def laplace(forms: Forms, x: Array, prior: Strengths, level: Level = INFERRED) -
     """
     n, d = forms.slope.shape
     peak = np.einsum("nii->ni", forms.precision)
-    unit = 1 / np.sqrt(np.where(peak > 0, peak, 1.0))
+    unit = 1 / np.sqrt(np.where(peak > UNTOLD, peak, 1.0))
     rows = _Rows.of(forms, x, prior, unit)
     variance = level.variance(rows.start, rows.nu)
     for turn in range(STEPS):

@@ -144,6 +144,10 @@ class LensModel:
 
     def physical(self, x: Array) -> tuple[Array, Array, Array]:
         """Intrinsics fx, fy, cx, cy, coefficients and bow at coordinates ``(..., dimension)``."""
+        with np.errstate(over="ignore", invalid="ignore"):  # no lens sees points so far off
+            return self._physical(x)
+
+    def _physical(self, x: Array) -> tuple[Array, Array, Array]:
         fx = self.size[0] * np.exp(x[..., 0])
         fy = fx if self.square else fx * np.exp(x[..., 1])
         at = 1 if self.square else 2
@@ -238,6 +242,7 @@ def _shape_coordinate(k: Array, bounds: tuple[float, float]) -> Array:
 
 def _shape_slope(y: float, bounds: tuple[float, float]) -> float:
     low, high = bounds
-    if math.isinf(high):
-        return math.exp(y)
-    return (high - low) * math.exp(-(y**2) / 2) / math.sqrt(2 * math.pi)
+    with np.errstate(over="ignore"):
+        if math.isinf(high):
+            return float(np.exp(y))
+        return float((high - low) * np.exp(-(y**2) / 2) / math.sqrt(2 * math.pi))

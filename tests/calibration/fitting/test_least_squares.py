@@ -106,3 +106,14 @@ def test_no_start_is_found_where_there_is_none() -> None:
         LensModel("m", lens_named("radial", order=0, tangential=False), boards.SIZE), data
     )
     assert rms(data, fit.sum_of_squares) > 50 or not np.isfinite(fit.sum_of_squares)
+
+
+def test_a_step_may_lead_out_of_all_bounds() -> None:
+    """Coordinates that overflow: no warning, no exception, and a higher cost."""
+    world, pixels = boards.pictures(np.random.default_rng(7), n_views=3)
+    data = boards.observed(world, pixels)
+    for name in ("eucm", "double-sphere", "division", "radial"):
+        model = LensModel(name, lens_named(name), boards.SIZE)
+        fit = start_fit(model, data)
+        for far in (-1e3, 1e3, 1e6):
+            assert cost(stacked(model, data, fit.x + far, fit.poses)) > fit.sum_of_squares

@@ -152,7 +152,8 @@ def by_place(basis: Evidenced) -> Finding | None:
             mean, error = own.mean(axis=0), own.std(axis=0, ddof=1) / math.sqrt(len(own))
             means.append(np.abs(mean))
             # Student's t: scipy.stats has it too, whose import takes a third of the command's.
-            p_values.append(2 * stdtr(len(own) - 1, -np.abs(mean) / error))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                p_values.append(2 * stdtr(len(own) - 1, -np.abs(mean) / error))
     if not means:
         return None
     size, p = np.array(means), np.array(p_values)
