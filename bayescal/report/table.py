@@ -41,7 +41,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of cells under columns; the first names the row.
+    """Rows of cells under columns; the first names the row, alone or with those after it.
 
     Attributes
     ----------
@@ -54,6 +54,8 @@ class Table:
     spare : tuple of str
         Heads of the columns a terminal leaves out, in this order, where the numbers
         are so wide that not all fit.
+    naming : int
+        How many columns, from the first, it takes to name a row.
     """
 
     columns: tuple[Column, ...]
@@ -61,6 +63,7 @@ class Table:
     marked: int | None = None
     by_order: bool = False
     spare: tuple[str, ...] = ()
+    naming: int = 1
 
 
 def order_table(

@@ -114,7 +114,7 @@ def tabled(
     """Lay a table out for a terminal, the columns after the first as numbers.
 
     Where the numbers are wider than the terminal, spare ones are left out and a line says which;
-    what is still too wide goes on below, under the first column again.
+    what is still too wide goes on below, under the columns again that name the rows.
     """
     heads = [column.head for column in table.columns]
     rows = [[cell.text for cell in row] for row in table.rows]
@@ -134,7 +134,7 @@ def tabled(
             dropped.append(head)
             kept = [i for i in kept if heads[i] != head]
     parts: list[RenderableType] = []
-    for columns in _beside(kept, widths, width):
+    for columns in _beside(kept, widths, width, table.naming):
         shown = RichTable(
             box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, header_style=""
         )
@@ -151,13 +151,13 @@ def tabled(
     return Group(*parts, *_indented([f"Too wide to show: {left} (--json has them)."]))
 
 
-def _beside(kept: list[int], widths: list[int], width: int) -> list[list[int]]:
-    """Split columns into sets that fit beside the first one."""
-    first, *others = kept
-    out = [[first]]
-    for column in others:
-        if len(out[-1]) > 1 and sum(widths[i] + 2 for i in (*out[-1], column)) > width:
-            out.append([first])
+def _beside(kept: list[int], widths: list[int], width: int, naming: int) -> list[list[int]]:
+    """Split columns into sets that fit beside those that name the rows."""
+    names = [column for column in kept if column < naming]
+    out = [[*names]]
+    for column in kept[len(names) :]:
+        if len(out[-1]) > len(names) and sum(widths[i] + 2 for i in (*out[-1], column)) > width:
+            out.append([*names])
         out[-1].append(column)
     return out
 

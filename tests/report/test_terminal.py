@@ -54,3 +54,16 @@ def test_a_terminal_s_own_width_is_used_within_bounds(columns, width, monkeypatc
     assert printed(view) == render(view, terminal=True, width=width)
     monkeypatch.setattr("sys.stdout.isatty", lambda: False, raising=False)
     assert printed(view) == render(view, terminal=False, width=100)
+
+
+def test_columns_that_go_on_below_stand_beside_what_names_their_rows():
+    """Two models of one family: what is below is told apart by the order."""
+    heads = Column("family"), Column("order"), *(Column(f"quantity {i}") for i in range(6))
+    rows = tuple((Cell("pinhole"), Cell(k), *[Cell(f"{k}.00000")] * 6) for k in "12")
+    table = Table(heads, rows, marked=0, by_order=True, naming=2)
+    shown = render((Tabled("t", "", table),), terminal=False, width=60).splitlines()
+    for order, mark in (("1", ["> pinhole"]), ("2", ["pinhole"])):
+        lines = [line.split() for line in shown if f"{order}.00000" in line]
+        assert len(lines) == 2
+        assert all(line[: len(mark[0].split()) + 1] == [*mark[0].split(), order] for line in lines)
+    assert max(map(len, shown)) <= 60

@@ -85,7 +85,7 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
                 Cell(percent(found.probabilities[i]), found.probabilities[i]),
             )
         )
-    return Table(columns, tuple(cells), 0, True, ("dAIC", "K"))
+    return Table(columns, tuple(cells), 0, True, ("dAIC", "K", "±"), naming=3)
 
 
 def _above(value: float | None, lowest: float) -> Cell:
