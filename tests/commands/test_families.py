@@ -103,7 +103,7 @@ def test_the_setup_states_pose_and_optics(capsys, tmp_path):
     code, out, _ = run(capsys, *arguments)
     assert code == 0
     assert "ln 1100, 0.1" in out
-    assert "z ~ N(0, 20²) world units (sd as stated)" in out
+    assert "z ~ N(0, 20²) world units (sd as stated)" in " ".join(out.split())
     for wrong, match in (
         (known.replace("focal =", "focus ="), "setup.toml:11: prior.pinhole.focus: unknown key"),
         (known.replace("= 1100", "= -1"), "setup.toml:11: focal must be positive and finite"),
