@@ -1,4 +1,4 @@
-"""The array type used throughout, read-only arrays, arrays as a file, finite numbers, ln 2 pi."""
+"""The array type used throughout, read-only arrays, arrays as a file and in parts, ln 2 pi."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import json
 import math
 import zipfile
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[np.float64]
 IntArray: TypeAlias = NDArray[np.intp]
 ArrayLike: TypeAlias = Array | Sequence[float] | Sequence[Sequence[float]]
+
+Rows = TypeVar("Rows", Array, IntArray)
 
 # What reading a file of arrays raises where it is none, or says that it is too large.
 DAMAGE = (
@@ -29,6 +31,12 @@ def frozen(values: ArrayLike) -> Array:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def in_parts(rows: Rows, numbers: int, most: int) -> list[Rows]:
+    """Cut rows so that the numbers held at once, so many for each row, are `most` at the most."""
+    step = max(1, most // numbers)
+    return [rows[i : i + step] for i in range(0, len(rows), step)]
 
 
 def finite(value: float) -> float | None:

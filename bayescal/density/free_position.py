@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from bayescal.arrays import Array, IntArray
+from bayescal.arrays import Array, IntArray, in_parts
 from bayescal.density.moving_axis import MovingAxis, Rows
 from bayescal.prior.camera import PositionPrior
 
@@ -79,8 +79,7 @@ class FreePositionModel:
 
     def _in_chunks(self, rows: Rows) -> list[Rows]:
         """Split rows of draws so that their design matrices fit into memory."""
-        step = max(1, CHUNK // (len(self.axes[0].world) * (self.axes[0].size + 1)))
-        return [rows[first : first + step] for first in range(0, len(rows), step)]
+        return in_parts(rows, len(self.axes[0].world) * (self.axes[0].size + 1), CHUNK)
 
     def starts(self) -> Array:
         """Give the likelihood's maximum and the stated position, ``(2, 3)``."""

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from bayescal.arrays import LOG_2PI, Array
+from bayescal.arrays import LOG_2PI, Array, in_parts
 from bayescal.density.trimmed import trimmed_fits
 from bayescal.errors import InputError
 from bayescal.inference.optimum import Mode, climb
@@ -147,11 +147,9 @@ class RobustLinearModel:
 
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior per unit of theta, ``(n_draws,)``, nat."""
-        return np.concatenate([self._log_prob(part) for part in self._parts(theta)])
-
-    def _parts(self, draws: Array) -> list[Array]:
-        step = max(1, CHUNK // len(self.t))
-        return [draws[i : i + step] for i in range(0, len(draws), step)]
+        return np.concatenate(
+            [self._log_prob(part) for part in in_parts(theta, len(self.t), CHUNK)]
+        )
 
     def _log_prob(self, theta: Array) -> Array:
         density = self.log_likelihood(theta).sum(axis=1) + self.log_prior(theta)
@@ -253,7 +251,7 @@ class RobustLinearModel:
     def _averaged(self, told: Callable[..., Any], full: Array) -> Array:
         """Average over draws what the noise tells of each point; few draws at a time."""
         total = np.zeros(len(self.t))
-        for part in self._parts(full):
+        for part in in_parts(full, len(self.t), CHUNK):
             given = self.residuals(part), self.log_sigma(part), self.eta(part), self.sd
             total += told(*given).sum(axis=0)
         return total / len(full)

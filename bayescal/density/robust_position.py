@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bayescal.arrays import Array, frozen
+from bayescal.arrays import Array, frozen, in_parts
 from bayescal.density.moving_axis import MovingAxis
 from bayescal.density.position_search import best_position, climb, linearised
 from bayescal.density.robust_fits import LinearPixels, RobustFit, robust_fits
@@ -119,9 +119,7 @@ class RobustFreePosition:
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior per unit of theta, ``(n_draws,)``, nat."""
         numbers = len(self.axes[0].t) * (max(axis.size for axis in self.axes) + 1)
-        step = max(1, CHUNK // numbers)
-        parts = [theta[i : i + step] for i in range(0, len(theta), step)]
-        return np.concatenate([self._log_prob(part) for part in parts])
+        return np.concatenate([self._log_prob(part) for part in in_parts(theta, numbers, CHUNK)])
 
     def _log_prob(self, theta: Array) -> Array:
         possible = self.prior.possible(self.moving[0].world, self.position(theta))

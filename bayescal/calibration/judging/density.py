@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from bayescal.arrays import Array, IntArray
+from bayescal.arrays import Array, IntArray, in_parts
 from bayescal.calibration.fitting.reduction import Reduced, Views, eliminate, pose_response, reduce
 from bayescal.calibration.fitting.stacking import Poses, Stacked, pose_slopes, residuals, stacked
 from bayescal.calibration.judging.laplace import (
@@ -165,9 +165,8 @@ class Problem:
 
         Infinite where a point can't be seen.
         """
-        rows = max(1, AT_A_TIME // self.data.pixels.size)
-        parts = [self._squares(part) for part in _split(x, rows)]
-        return np.concatenate(parts) if parts else np.empty(0)
+        parts = in_parts(x, self.data.pixels.size, AT_A_TIME)
+        return np.concatenate([self._squares(part) for part in parts]) if parts else np.empty(0)
 
     def _squares(self, x: Array) -> Array:
         poses = self.poses_at(x)
@@ -322,7 +321,3 @@ def both_sides(values: Array) -> tuple[Array, Array]:
     """First and second order of what is 0 at the middle, from steps up along each axis and down."""
     up, down = np.split(values, 2)
     return (up - down) / 2, (up + down) / 2
-
-
-def _split(x: Array, rows: int) -> list[Array]:
-    return [x[i : i + rows] for i in range(0, len(x), rows)]

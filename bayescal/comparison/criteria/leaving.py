@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
-from bayescal.arrays import LOG_2PI, Array, IntArray
+from bayescal.arrays import LOG_2PI, Array, IntArray, in_parts
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.linear.fewest_nodes import fewest_nodes
 
@@ -128,13 +128,13 @@ class Leaving:
         if self.few is not None:
             nodes = np.flatnonzero(self.few)
             log_weights = np.log(self.few[nodes])
-            for part in _parts(np.flatnonzero(light), len(nodes)):
+            for part in in_parts(np.flatnonzero(light), len(nodes), CHUNK):
                 without, within, _ = _node_densities(
                     self.exact, design[part], t[part], sd[part], nodes
                 )
                 out[part] = -logsumexp(log_weights - without, axis=1)
                 inside[part] = logsumexp(log_weights + within, axis=1)
-        for part in _parts(np.flatnonzero(~light), self.exact.log_joint.size):
+        for part in in_parts(np.flatnonzero(~light), self.exact.log_joint.size, CHUNK):
             out[part], inside[part], moved[part], alone = self._all_nodes(
                 design[part], t[part], sd[part]
             )
@@ -168,12 +168,6 @@ class Leaving:
             moved,
             bool(alone.any()),
         )
-
-
-def _parts(points: IntArray, nodes: int) -> list[IntArray]:
-    """Cut points into parts whose numbers at all nodes are held at once."""
-    step = max(1, CHUNK // nodes)
-    return [points[start : start + step] for start in range(0, len(points), step)]
 
 
 def _sigma(exact: ExactPosterior) -> float:

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, in_parts
 from bayescal.cameras.pinhole import PinholeGeometry
 from bayescal.density.joint_data import JointData
 from bayescal.density.pinholes.fit import PinholeFit
@@ -84,8 +84,7 @@ class PinholeModel(ABC):
 
     def in_parts(self, draws: Array) -> list[Array]:
         """Split draws so that the pixels of each part fit into memory."""
-        step = max(1, CHUNK // (2 * self.data.n))
-        return [draws[i : i + step] for i in range(0, len(draws), step)]
+        return in_parts(draws, 2 * self.data.n, CHUNK)
 
     @abstractmethod
     def _log_density(self, theta: Array) -> Array:
