@@ -16,8 +16,11 @@ from bayescal.errors import InputError
 from bayescal.points.views.notes import alike, scrambled
 from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
+from bayescal.rounding import grouped
 
 PER_VIEW = "per-view"
+# Points that are taken: they are held with all their slopes, some 13 kB each.
+MOST = 250_000
 
 
 def calibrate(
@@ -82,6 +85,11 @@ def calibrate(
     if len(views) < 2:
         raise InputError(
             f"{views.source}: one view can't tell lens from pose; take at least two, better ten"
+        )
+    if views.n_points > MOST:
+        raise InputError(
+            f"{views.source}: {grouped(views.n_points)} points are more than the "
+            f"{grouped(MOST)} that fit into memory; take fewer views (--only, --without)"
         )
     if alike(views):
         raise InputError(

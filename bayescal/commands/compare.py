@@ -7,7 +7,7 @@ from typing import Any
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families, families_of
-from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.many import many_or_few, say_many
 from bayescal.commands.shared.output import add_output, check_output, deliver
 from bayescal.commands.shared.resume import resumable
 from bayescal.errors import InputError
@@ -69,6 +69,7 @@ def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
         raise InputError(f"compare: families are joint models of r and c; {drop}")
     check_output(options)
     points = shared.points(options)
+    say_many(options, len(points))
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     how = {"defend": options.defend, **asked, **given}
     from bayescal.api.families import compare_families, family_request

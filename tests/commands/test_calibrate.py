@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import cv2
+import numpy as np
 import pytest
 
 import bayescal as bc
@@ -101,3 +102,11 @@ def test_bad_input_is_one_line(
     said = capsys.readouterr().err
     assert why in said
     assert said.count("\n") == 1
+
+
+def test_more_points_than_memory_holds_are_refused_in_a_line() -> None:
+    x, y = (part.ravel().astype(float) for part in np.meshgrid(np.arange(500), np.arange(260)))
+    world, pixels = np.column_stack([x, y, 0 * x]), np.column_stack([x + 100, y + 100])
+    views = bc.Views.from_arrays([world] * 2, [pixels, pixels + 1], width=700, height=500)
+    with pytest.raises(bc.InputError, match=r"260,000 points are more than the 250,000 that fit"):
+        bc.calibrate(views)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
+import sys
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
@@ -31,6 +32,8 @@ def many_or_few(options: argparse.Namespace) -> Iterator[Correspondences | ManyP
         yield shared.points(options)
         return
     about = many.found.about
+    if options.noise not in (None, "gaussian"):
+        say_many(options, about)
     with contextlib.ExitStack() as line:
 
         def begun() -> Callable[[int], None]:
@@ -38,3 +41,16 @@ def many_or_few(options: argparse.Namespace) -> Iterator[Correspondences | ManyP
             return line.enter_context(shared.Progress(options, about, "reading points,")).more
 
         yield shared.with_camera(dataclasses.replace(many, begun=begun), options)
+
+
+def say_many(options: argparse.Namespace, n: int) -> None:
+    """Say how long many points take where each draw looks at every one of them."""
+    from bayescal.points.chunks.chunk import HELD
+    from bayescal.rounding import grouped
+
+    if n > HELD and not options.quiet:
+        print(
+            f"bayescal: {grouped(n)} points, at all of which every draw looks: some minutes a "
+            "model for each hundred thousand of them",
+            file=sys.stderr,
+        )
