@@ -29,6 +29,7 @@ from bayescal.calibration.judging.laplace import (
     degrees,
     laplace,
 )
+from bayescal.calibration.judging.taking import Taking
 from bayescal.calibration.model.error_model import Shared
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.calibration.model.observations import Observations
@@ -90,6 +91,11 @@ class Problem:
     def reduced(self) -> Reduced:
         """Normal equations of the lens alone."""
         return eliminate(self.views.sums, self.root)
+
+    @cached_property
+    def taking(self) -> Taking:
+        """What poses and offsets take of residuals."""
+        return Taking(self.data, self.stack, self.shared, self.views, self.root)
 
     @cached_property
     def offsets(self) -> Array:
@@ -190,13 +196,13 @@ class Problem:
             misfit, possible = residuals(self.model, self.data, x, poses)
             if not possible.all():
                 misfit = np.where(possible[:, None, None, None], misfit, 0.0)
-            arranged, weighted, taken = self._weighed(misfit)
+            arranged, weighted, taken = self.taking.of(misfit)
             whole = np.einsum("vasn,vasn->s", arranged, weighted)
             by_pose = taken[:, : 6 * self.data.n_views]
             much = np.einsum("si,si->s", by_pose, by_pose) > MUCH * whole
             total = np.where(much, whole, whole - np.einsum("si,si->s", taken, taken))
             possible &= np.isfinite(total)
-            steps = by_pose.reshape(len(x), -1, 6)[..., None, :] @ self._pose_whiteners
+            steps = by_pose.reshape(len(x), -1, 6)[..., None, :] @ self.taking.pose_whiteners
         moves = np.where((much & possible)[:, None, None], steps[..., 0, :], np.nan)
         return np.where(possible, np.maximum(total, 0.0), np.inf), moves
 
@@ -214,60 +220,9 @@ class Problem:
         terms : Array
             ``(p, n_views, n_places, 2)``: the sum of squares of c @ terms is c @ products @ c.
         """
-        arranged, weighted, taken = self._weighed(terms)
+        arranged, weighted, taken = self.taking.of(terms)
         one, other = (np.moveaxis(a, 2, 0).reshape(len(terms), -1) for a in (arranged, weighted))
         return np.asarray(one @ other.T - taken @ taken.T)
-
-    def _weighed(self, misfit: Array) -> tuple[Array, Array, Array]:
-        """Residuals e and R^-1 e, ``(n_views, 2, n_draws, n_places)``, and what is taken of them.
-
-        Poses and offsets take the square of that, ``(n_draws, 6 n_views + n_offsets)``, from
-        e' R^-1 e.
-        """
-        e = misfit.transpose(1, 3, 0, 2)
-        inverse = self.shared.inverse
-        weighted = e if inverse is None else e @ inverse[:, None]
-        # H = L L' of each pose: L^-1 P' R^-1 e.
-        slopes = self.stack.by_pose.swapaxes(1, 2) @ self._pose_whiteners.swapaxes(1, 2)[:, None]
-        poses = (weighted @ slopes).sum(axis=1)
-        taken = np.asarray(poses.swapaxes(0, 1).reshape(len(misfit), -1))
-        if self.root is not None:
-            pulled = self._pulled(weighted) - taken @ self._white_coupling
-            taken = np.concatenate([taken, pulled @ self._offset_whitener], axis=1)
-        return e, weighted, taken
-
-    def _pulled(self, weighted: Array) -> Array:
-        """G' R^-1 e: what pulls at the target's points, ``(n_draws, 3 n_target)``."""
-        by_target = self.stack.by_target
-        pulled = np.zeros((weighted.shape[2], 3, len(self.data.target)))
-        for axis in range(3):
-            if self.data.alike:
-                met = np.einsum("vasn,vna->sn", weighted, by_target[..., axis])
-                pulled[:, axis, self.data.which[0]] = met
-                continue
-            for view, (which, seen) in enumerate(zip(self.data.which, self.data.seen, strict=True)):
-                met = np.einsum("asn,na->sn", weighted[view], by_target[view, ..., axis])
-                pulled[:, axis, which[seen]] += met[:, seen]
-        return pulled.swapaxes(1, 2).reshape(len(pulled), -1)
-
-    @cached_property
-    def _pose_whiteners(self) -> Array:
-        """Inverse roots of the poses' blocks, ``(n_views, 6, 6)``."""
-        return np.linalg.inv(np.linalg.cholesky(self.views.pose_precision))
-
-    @cached_property
-    def _white_coupling(self) -> Array:
-        """L^-1 P' R^-1 G of all poses, ``(6 n_views, 3 n_target)``."""
-        coupling = self._pose_whiteners @ self.views.pose_offset
-        return np.asarray(coupling.reshape(-1, coupling.shape[2]))
-
-    @cached_property
-    def _offset_whitener(self) -> Array:
-        """B with B B' = L (I + L' F L)^-1 L', L the offsets' root, ``(3 n_target, n_offsets)``."""
-        assert self.root is not None
-        inner = np.eye(self.root.shape[1]) + self.root.T @ self.views.inner @ self.root
-        whitener = solve_triangular(np.linalg.cholesky(inner), self.root.T, lower=True)
-        return np.asarray(whitener.T)
 
     @cached_property
     def form(self) -> Forms:
