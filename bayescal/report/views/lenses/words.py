@@ -63,12 +63,14 @@ def error_words(found: LensComparison) -> str:
     sigma = _sigma(found)
     parts = []
     if found.setting.grid.correlated:
-        parts.append(f"neighbours share errors: {percent(share('correlated'))}")
+        parts.append(f"{percent(share('correlated'))} that neighbours share errors")
     if found.setting.grid.offsets:
         offsets = math.fsum(w for e, w in found.errors if e.offsets) / total
-        parts.append(f"points of the target off: {percent(offsets)}")
+        parts.append(f"{percent(offsets)} that points of the target are off")
+    if not parts:
+        return ""
     size = _shared_words(best, sigma)
-    return "; ".join(parts) + (f" ({size})" if size else "")
+    return f"probability {', '.join(parts)}" + (f" ({size})" if size else "")
 
 
 def _shared_words(best: ErrorModel, sigma: float) -> str:
