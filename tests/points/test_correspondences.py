@@ -90,3 +90,9 @@ def test_arrays_that_can_not_be_used(changes: dict[str, Any], complaint: str) ->
 def test_setups_that_can_not_be_used(changes: dict[str, Any], complaint: str) -> None:
     with pytest.raises(bc.InputError, match=complaint):
         bc.Setup(**changes)
+
+
+def test_pixels_are_taken_as_opencv_has_them() -> None:
+    plain = np.arange(6.0).reshape(3, 2)
+    found = bc.Correspondences.from_arrays(np.ones((3, 3)), plain[:, None])
+    np.testing.assert_array_equal(found.pixels, plain)
