@@ -36,7 +36,8 @@ def fewest_nodes(functions: Array, weights: Array) -> Array:
         ``(n_nodes,)``, mostly zero; `weights` where no such few are found.
     """
     root = np.sqrt(weights)
-    scaled = functions / (functions @ weights)[:, None] * root
+    scaled = functions * root
+    scaled /= (functions @ weights)[:, None]
     directions = _directions(scaled)
     try:
         found, _ = nnls(directions, directions @ root)

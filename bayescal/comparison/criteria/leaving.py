@@ -96,7 +96,8 @@ class Leaving:
         few[few < NEGLIGIBLE] = 0.0
         nodes = np.flatnonzero(few)
         without, within, _ = _node_densities(exact, rows, t, deviations, nodes)
-        logs = np.concatenate([-without, within])
+        logs = np.concatenate([np.negative(without, out=without), within])
+        del without, within  # tens of megabytes
         logs -= logs.max(axis=1, keepdims=True)
         few[nodes] = fewest_nodes(np.exp(logs, out=logs), few[nodes])
         beyond = BEYOND_PROBES * float(leverage[some].max())
