@@ -54,10 +54,10 @@ def test_the_main_message_fits_one_screen(capsys):
     assert [row[1] for row in table] == ["3074.6", "1571.3", "1023.8", "737.9", "736.7"]
     assert [row[5] for row in table] == ["3074.6", "1571.3", "1524.2", "1522.6", "1461.3"]
     assert [row[9] for row in table] == ["644.7", "626.3", "623.3", "599.1", "599.0"]
-    assert "r as written: BIC is lowest at order 4; order 5 takes 0.2 % more off RSS" in screen
+    assert "r as written: BIC is lowest at order 4; order 5 takes 0.2% more off RSS" in screen
     assert "r as coded: BIC is lowest at order 2" in screen
     assert (
-        "c: BIC is lowest at order 1; orders 2-5 take 7.1 % more off RSS, chance alone 7.3 %"
+        "c: BIC is lowest at order 1; orders 2-5 take 7.1% more off RSS, chance alone 7.3%"
         in (screen)
     )
     assert len(lines) < 48
@@ -103,7 +103,7 @@ def test_before_and_after_stand_beside_each_other_with_the_points_that_went(caps
     assert "c, 1 16 19 1 54 644.7 165.3 3.36 1.75 225.6" in rows
     warning = " ".join(out.split())
     assert "warning: r as written: after elimination the orders rest on different points" in warning
-    assert "5 % family-wise, sigma inferred" in out
+    assert "5% family-wise, sigma inferred" in out
 
 
 def test_common_points_replace_the_warning(capsys):

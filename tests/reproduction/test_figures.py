@@ -181,11 +181,11 @@ def test_the_legend_states_the_levels_and_the_rule_of_naming(figures):
     plain = legend_text(figures["figure-07-residuals-r"])
     standardised = legend_text(figures["figure-07-residuals-r-standardised"])
     assert plain == [
-        "named: significant at 5 % per point or removed, at most 6 a panel",
+        "named: significant at 5% per point or removed, at most 6 a panel",
         "kept",
-        "removed by the elimination (5 % family-wise)",
+        "removed by the elimination (5% family-wise)",
     ]
-    assert standardised == [*plain, "5 % family-wise", "5 % per point"]
+    assert standardised == [*plain, "5% family-wise", "5% per point"]
 
 
 def test_figure_six_has_pixels_against_world_and_against_what_the_models_use(figures):
@@ -282,5 +282,5 @@ def test_other_data_gets_its_figures_too():
 def test_a_per_point_level_is_drawn_as_such():
     found = bc.reproduce(bc.thesis(), orders=[1], per_point=True, significance=0.01)
     figure = error_figure(found, "r", ErrorKind(squared=True, standardised=True))
-    assert legend_text(figure)[2] == "removed by the elimination (1 % per point)"
+    assert legend_text(figure)[2] == "removed by the elimination (1% per point)"
     assert len(names(figure.axes[0])) <= NAMED
