@@ -56,9 +56,8 @@ def test_the_main_message_fits_one_screen(capsys):
     assert [row[9] for row in table] == ["644.7", "626.3", "623.3", "599.1", "599.0"]
     assert "r as written: BIC is lowest at order 4; order 5 takes 0.2% more off RSS" in screen
     assert "r as coded: BIC is lowest at order 2" in screen
-    assert (
-        "c: BIC is lowest at order 1; orders 2-5 take 7.1% more off RSS, chance alone 7.3%"
-        in (screen)
+    assert "c: BIC is lowest at order 1; orders 2-5 take 7.1% more off RSS, chance alone 7.3%" in (
+        screen
     )
     assert len(lines) < 48
 
