@@ -20,7 +20,7 @@ from bayescal.inference.t_mixture import TMixture, cholesky
 from bayescal.inference.weighting import resampled
 
 SETTLE_STEPS, HALVINGS = 20, 6
-HEADROOM = 10.0  # nat: the likelihood is largest somewhat beside the posterior's mean
+HEADROOM = 5.0  # nat: the likelihood is largest somewhat beside the posterior's mean
 SLACK = 1.0  # nat: a posterior's mean may lie lower than where a step begins
 NEAR = 0.01  # posterior deviations: a step this short leaves a reference that is settled
 COMPONENTS, COVERED = 40, 0.999  # of the mixture; share of the mass they hold
@@ -146,7 +146,7 @@ def adapted(problem: Problem, rng: np.random.Generator, n: int) -> EvidenceEstim
     near = (
         Mode(problem.x + shrunk * (m.theta - problem.x), m.log_mass, shrunk * m.root) for m in modes
     )
-    found = adapt(problem.log_prob, tuple(near)[:MODES], rng).proposal
+    found = adapt(problem.log_prob, tuple(near)[:MODES], rng, even=0.0).proposal
     draws = found.draw(rng, n)
     return from_weights(problem.log_prob(draws) - found.log_density(draws))
 

@@ -48,7 +48,7 @@ from bayescal.points.views.views import Views
 PROBABLE = 1e-3  # lenses less probable than this are not looked at view by view
 MOST_LOOKED_AT = 6
 FEW = 0.1  # effective share of draws: a rival with fewer is weighed again
-REACH = 10.0  # nat: a lens that is further below the best is no rival
+REACH = 5.0  # nat: a lens that is further below the best is no rival
 
 Progress = Callable[[str], None]
 
@@ -144,6 +144,8 @@ def _sought(
         rng = one.key.rng(settings.seed, 3)
         again = partial(sought, one.evidence, setting, rng, request.draws)
         found = store.once_of(one.key)("evidence sought", Weighed, again)
+        if found.estimate.error >= one.log_evidence_error:
+            continue
         evidence = LensEvidence.of(found, one.model, setting)
         out[number] = judged_lens(one.candidate, one.model, one.fit, setting, evidence)
     return out

@@ -70,6 +70,7 @@ def adapt(
     modes: tuple[Mode, ...],
     rng: np.random.Generator,
     ladder: tuple[Mode, ...] = (),
+    even: float = EVEN,
 ) -> Adapted:
     """Adapt a proposal to a density, starting from its modes.
 
@@ -81,6 +82,8 @@ def adapt(
         At least one.
     ladder : tuple of Mode, optional
         Normals that fit the density at fixed values of what was integrated out.
+    even : float, optional
+        Effective fraction below which the mixture is fitted anew, which takes many draws.
     """
     anchors = Anchors.of(modes, ladder)
     narrow = anchors.laplace
@@ -113,7 +116,7 @@ def adapt(
             break
         before = fraction if cold else 0.0
         volume = float(np.log(np.diag(root)).sum())
-    if fraction < EVEN:
+    if fraction < even:
         return _finely(log_density, proposal, anchors, rng)
     best = _best_tails(
         narrow, everything, weights, log_p, partial(anchors.defended, mean=mean, root=root)
