@@ -127,5 +127,5 @@ def axis_document(axis: AxisComparison) -> dict:
 
 
 def not_a_number(text: str) -> list[str]:
-    """Words of a text that stand for no number."""
-    return re.findall(r"(?i)\b(?:nan|inf|infinity|none)\b", text)
+    """Words of a text that stand for no number; a sentence may say that none is."""
+    return re.findall(r"\b(?:(?i:nan|inf|infinity)|None)\b", text)
