@@ -99,7 +99,7 @@ def test_a_mode_that_the_chains_hold_otherwise_than_the_weights_is_named(
     found = shares_differ(modes, fresh, np.zeros(4000), drawn, 1000)
     assert bool(found) == differ
     if differ:
-        side = f"{100 * by_draws:.1f} % by the draws", f"{100 - 100 * by_draws:.1f} % by the draws"
+        side = f"{100 * by_draws:.1f}% by the draws", f"{100 - 100 * by_draws:.1f}% by the draws"
         assert any(words in found[0] for words in side)
 
 
