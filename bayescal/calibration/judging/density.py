@@ -5,7 +5,8 @@ Newton step with the reference's precision H gives the smallest sum of squares,
 
     S(x) = e' C^-1 e - g' H^-1 g,    g = P' C^-1 e,
 
-C the covariance of all noise over sigma^2: the error is of fourth order in the distance. The log
+C the covariance of all noise over sigma^2: the error is of fourth order in the distance. Where
+that step takes much of the squares, poses are moved by it and more steps follow. The log
 determinant of the poses' blocks is evaluated at x, the coupling by the offsets at the reference.
 """
 

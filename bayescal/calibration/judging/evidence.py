@@ -68,17 +68,20 @@ def height(problem: Problem) -> float:
     if not problem.stack.possible:
         return -math.inf
     try:
-        squares = np.array([problem.reduced.sum_of_squares])
+        likelihood = _log_likelihood(problem)
     except np.linalg.LinAlgError:  # so far off that rounding is all that is left
         return -math.inf
-    likelihood = problem.likelihood_of(squares, np.zeros(1))
-    return float((likelihood + problem.log_prior(problem.x[None]))[0])
+    return likelihood + float(problem.log_prior(problem.x[None])[0])
 
 
 def ceiling(problem: Problem) -> float:
-    """Log likelihood at a settled reference, sigma integrated: no evidence is above the largest."""
+    """Bound a settled problem's log evidence from above: none exceeds the likelihood."""
+    return _log_likelihood(problem) + HEADROOM
+
+
+def _log_likelihood(problem: Problem) -> float:
     squares = np.array([problem.reduced.sum_of_squares])
-    return float(problem.likelihood_of(squares, np.zeros(1))[0]) + HEADROOM
+    return float(problem.likelihood_of(squares, np.zeros(1))[0])
 
 
 def proposal(problem: Problem) -> tuple[TMixture, tuple[Mode, ...]]:
