@@ -7,6 +7,7 @@ import pytest
 from numpy.polynomial import legendre
 
 import bayescal as bc
+from bayescal.points.bundled import chessboard
 from bayescal.prediction.maps import FITTED, NAMES, image_maps
 from bayescal.prediction.sights import image_grid, sights
 
@@ -84,6 +85,19 @@ def test_maps_of_a_lens_take_out_the_turn(lens_comparison):
         assert maps.named.epistemic[i] == pytest.approx(place.infinity, rel=5 / np.sqrt(2000))
     assert maps.places.found.all()
     assert maps.differences == ()
+
+
+def test_averaged_lenses_have_their_own_variances_and_that_between_them():
+    """Truth: draws of all probable lenses, where they are near enough to be linear."""
+    found = bc.calibrate(chessboard(), lenses=["radial 2 + p", "radial 3 + p"], ess=500)
+    assert found.lenses[1].probability > 0.1
+    maps = image_maps(bc.camera(found, average=True), columns=5, rows=4)
+    edges = [place for place in found.places if "edge" in place.name]
+    own = max(maps.named.epistemic[NAMES.index(place.name)] for place in edges)
+    assert max(place.infinity for place in edges) > 1.5 * own
+    for place in edges:
+        drawn = maps.named.averaged[NAMES.index(place.name)]
+        assert place.infinity == pytest.approx(drawn, rel=0.1)
 
 
 @pytest.mark.parametrize("kind", ["sd-map", "difference-map"])

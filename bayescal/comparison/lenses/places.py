@@ -12,13 +12,14 @@ from bayescal.calibration.model.observations import Observations
 from bayescal.comparison.lenses.left_out import jackknife
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import (
-    View,
     deviation,
     difference,
     observed_sample,
     response,
 )
 from bayescal.comparison.lenses.results import JudgedLens
+
+PROBABLE = 0.01  # lenses less probable than this add next to nothing
 
 
 def named_places(size: tuple[float, float]) -> tuple[tuple[str, tuple[float, float]], ...]:
@@ -49,7 +50,8 @@ def places(
     Parameters
     ----------
     lenses : sequence of JudgedLens
-        The best first: what the other probable ones predict otherwise adds to the variance.
+        The best first: the other probable ones add their own variance, and what they predict
+        otherwise.
     covariance : Array
         Of the best lens's coordinates, the error models averaged.
     halves : tuple of Array
@@ -61,8 +63,7 @@ def places(
     view = best.view
     spreads = []
     for distance in (None, best.evidence.problem.poses.depth):
-        own = deviation(response(view, at, sample, distance), covariance)
-        spreads.append(np.hypot(own, between(view, lenses, at, sample, distance)))
+        spreads.append(averaged(lenses, covariance, at, sample, distance))
     far = response(view, at, sample, None)
     jack = half = np.full(len(at), np.nan)
     if best.without is not None:
@@ -75,16 +76,33 @@ def places(
     return tuple(Place(name, at, *map(finite, values)) for name, at, *values in columns)
 
 
-def between(
-    view: View, lenses: Sequence[JudgedLens], at: Array, sample: Array, depth: float | None
+def averaged(
+    lenses: Sequence[JudgedLens],
+    covariance: Array,
+    at: Array,
+    sample: Array,
+    depth: float | None,
 ) -> Array:
-    """Deviation of the probable lenses' predictions about their mean, ``(n,)``, px."""
-    moves, shares = [np.zeros((len(at), 2))], [lenses[0].probability]
+    """Deviation of the prediction, each probable lens's own and between them, ``(n,)``, px.
+
+    Parameters
+    ----------
+    covariance : Array
+        Of the best lens; the others have that of their most probable error model.
+    """
+    view = lenses[0].view
+    moves = [np.zeros((len(at), 2))]
+    variances = [deviation(response(view, at, sample, depth), covariance) ** 2]
+    shares = [lenses[0].probability]
     for judged in lenses[1:]:
-        if judged.probability < 0.01:
+        if judged.probability < PROBABLE:
             continue
+        maps = response(judged.view, at, sample, depth, seen_by=view)
+        own = deviation(maps, judged.evidence.problem.laplace.covariance)
         moves.append(np.nan_to_num(difference(view, judged.view, at, sample, depth)))
+        variances.append(np.nan_to_num(own) ** 2)
         shares.append(judged.probability)
     weights = np.array(shares) / math.fsum(shares)
     gap = np.array(moves) - np.einsum("k,kna->na", weights, np.array(moves))
-    return np.asarray(np.sqrt(np.einsum("k,kna->n", weights, gap**2) / 2))
+    variance = weights @ (np.array(variances) + (gap**2).mean(axis=2))
+    return np.asarray(np.sqrt(variance))

@@ -94,7 +94,9 @@ def image_grid(size: tuple[float, float], columns: int = COLUMNS, rows: int = RO
     return np.column_stack([r.ravel(), c.ravel()])
 
 
-def response(view: View, pixels: Array, sample: Array, depth: float | None) -> Array:
+def response(
+    view: View, pixels: Array, sample: Array, depth: float | None, seen_by: View | None = None
+) -> Array:
     """T at pixels, ``(n, 2, d)``; NaN where the lens sees nothing.
 
     Parameters
@@ -103,14 +105,17 @@ def response(view: View, pixels: Array, sample: Array, depth: float | None) -> A
         Where it is wanted, and what the poses hold to, ``(n, 2)`` and ``(m, 2)``.
     depth : float or None
         Distance of the points; None for infinity, where no shift is seen.
+    seen_by : View, optional
+        Whose pixels they are; the view's own by default.
     """
     scale, shift = (1.0, False) if depth is None else (depth, True)
-    rays, found = view.rays(sample)
+    pixels_of = view if seen_by is None else seen_by
+    rays, found = pixels_of.rays(sample)
     by_lens, by_move = view.slopes(rays[found] * scale, shift=shift)
     d = by_lens.shape[2]
     absorbed = np.linalg.lstsq(by_move.reshape(-1, by_move.shape[2]), by_lens.reshape(-1, d))[0]
     out = np.full((len(pixels), 2, d), np.nan)
-    rays, found = view.rays(pixels)
+    rays, found = pixels_of.rays(pixels)
     by_lens, by_move = view.slopes(rays[found] * scale, shift=shift)
     out[found] = by_lens - by_move @ absorbed
     return out

@@ -135,8 +135,9 @@ def parameters_note(found: LensComparison) -> str:
 def places_note(found: LensComparison) -> str:
     """Say what the table of places shows."""
     return (
-        "Uncertainty of the projection in px (rms of r and c), the share of the poses taken out, "
-        f"error models and probable lenses averaged; range {significant(found.range, 3)}, the "
+        "Uncertainty of the projection in px (rms of r and c, to first order), the share of the "
+        "poses taken out, error models and probable lenses averaged; range "
+        f"{significant(found.range, 3)}, the "
         "target's distance. Columns jackknife and halves: the same at infinity from the spread "
         "over views; where that is clearly larger, quote it."
     )
