@@ -38,7 +38,7 @@ def main() -> None:
     """Simulate, print or write."""
     options = options_of("scripts/validate gross-corners", __doc__, HEADING, 40, 2)
     cases = [(options.seed, kind, number) for kind in KINDS for number in range(options.sets)]
-    found = of_each(counted, cases, options.workers)
+    found = of_each(counted, cases, options)
     by_kind = {
         kind: [one for (_, k, _), one in zip(cases, found, strict=True) if k == kind]
         for kind in KINDS

@@ -47,6 +47,7 @@ def main() -> None:
         help="what is recommended is one of these (by default, of those that calibrate finds)",
     )
     parser.add_argument("--workers", type=int, default=1, help="processes (1)")
+    parser.add_argument("--keep", metavar="FOLDER", help="keep what comes of each set")
     parser.add_argument("--out", metavar="FILE.md", help="put the section into this file")
     options = parser.parse_args()
     publish("\n".join(report(options)) + "\n", HEADING, options.out)
@@ -70,7 +71,7 @@ def report(options: argparse.Namespace) -> Iterator[str]:
     )
     wanted = (options.among, *([lens] for lens in options.lenses))
     cases = [(file, lenses) for file in options.files for lenses in wanted]
-    for (file, _), cells in zip(cases, of_each(compared, cases, options.workers), strict=True):
+    for (file, _), cells in zip(cases, of_each(compared, cases, options), strict=True):
         yield f"| {Path(file).stem} | " + " | ".join(cells) + " |"
 
 

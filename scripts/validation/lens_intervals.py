@@ -66,7 +66,7 @@ def report(options: argparse.Namespace) -> Iterator[str]:
         "that poses absorb taken out, r and c apart.",
     )
     cases = [(options.seed, name, number) for name in REGIMES for number in range(options.sets)]
-    found = of_each(calibrated, cases, options.workers)
+    found = of_each(calibrated, cases, options)
     for name in REGIMES:
         ranks: dict[str, list[float]] = defaultdict(list)
         scores: dict[str, list[Array]] = defaultdict(list)

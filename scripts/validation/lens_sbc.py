@@ -64,7 +64,7 @@ def report(options: argparse.Namespace) -> Iterator[str]:
         "|" + "---|" * 6,
     )
     cases = [(options.seed, name, number) for name in RANKED for number in range(options.sets)]
-    outcomes = of_each(simulated, cases, options.workers)
+    outcomes = of_each(simulated, cases, options)
     for name in RANKED:
         found = [o for o, case in zip(outcomes, cases, strict=True) if case[1] == name]
         names = list(found[0][0])
@@ -119,7 +119,7 @@ def told(judged: JudgedLens, sweep: Sweep, rng: np.random.Generator) -> tuple[Ar
 def orders(options: argparse.Namespace) -> Iterator[str]:
     """Yield the table of probabilities of lenses."""
     cases = [(options.seed, number) for number in range(options.sets)]
-    found = np.array(of_each(probabilities, cases, options.workers))
+    found = np.array(of_each(probabilities, cases, options))
     p, hit = found[:, 0].ravel(), found[:, 1].ravel()
     right = int((found[:, 0].argmax(axis=1) == found[:, 1].argmax(axis=1)).sum())
     yield from (

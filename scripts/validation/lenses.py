@@ -76,7 +76,7 @@ def report(options: argparse.Namespace, failed: list[str]) -> Iterator[str]:
     )
     numbers = {n: max(round(options.sets * share), 1) for n, share in VIEWS.items()}
     cases = [(options.seed, n, number) for n in VIEWS for number in range(numbers[n])]
-    found = np.array(of_each(picked, cases, options.workers))
+    found = np.array(of_each(picked, cases, options))
     for n, sets in numbers.items():
         counts = found[[case[1] == n for case in cases]].sum(axis=0)
         cells = " | ".join(f"{c} ({100 * c / sets:.0f} %)" for c in counts[:4])
@@ -114,7 +114,7 @@ def real_boards(options: argparse.Namespace) -> Iterator[str]:
         "|" + "---|" * 12,
     )
     cases = [(options.seed, name, number) for name in REAL for number in range(options.sets)]
-    found = np.array(of_each(photographed, cases, options.workers))
+    found = np.array(of_each(photographed, cases, options))
     for name in REAL:
         rows = found[[case[1] == name for case in cases]]
         cells = [f"{c:.0f}" for c in rows[:, :8].sum(axis=0)]

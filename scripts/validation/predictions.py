@@ -217,7 +217,7 @@ def report(options: argparse.Namespace) -> Iterator[str]:
     )
     for name in KINDS:
         cases = [(name, options.seed, number) for number in range((options.sets + 1) // 2)]
-        found = of_each(pair, cases, options.workers)
+        found = of_each(pair, cases, options)
         inside = np.concatenate([shares for shares, _ in found])
         columns = [*inside.T, np.array([alarm for _, alarm in found])]
         yield f"| {name} | {len(inside)} | {' | '.join(map(_percent, columns))} |"

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import hashlib
+import pickle
 import re
 import sys
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +41,9 @@ def options_of(
         "--workers", type=int, default=1, help="processes, which change no result (1)"
     )
     parser.add_argument(
+        "--keep", metavar="FOLDER", help="keep what comes of each data set, and go on from there"
+    )
+    parser.add_argument(
         "--out", metavar="FILE.md", help=f"put the section {heading!r} into this file (printed)"
     )
     options = parser.parse_args()
@@ -47,7 +53,7 @@ def options_of(
 
 
 def of_each(
-    function: Callable[..., Any], cases: Sequence[tuple[Any, ...]], workers: int
+    function: Callable[..., Any], cases: Sequence[tuple[Any, ...]], options: argparse.Namespace
 ) -> list[Any]:
     """Call a function on each case, on processes as a fleet's cameras are judged.
 
@@ -57,24 +63,38 @@ def of_each(
         What comes of a case depends on its arguments alone, its seed among them.
     cases : sequence of tuple
         Arguments.
-    workers : int
-        Processes; with one, the cases are done here.
+    options : argparse.Namespace
+        With ``workers``, processes (with one, the cases are done here), and ``keep``, a folder
+        from which is read what an earlier run made of a case; the code must be the same.
 
     Returns
     -------
     list
         In the order of the cases.
     """
-    if workers == 1:
+    if options.keep:
+        function = partial(_kept, function, Path(options.keep))
+    if options.workers == 1:
         with threadpool_limits(1):
             return [function(*case) for case in cases]
     tasks = [Task(str(number), case) for number, case in enumerate(cases)]
-    with connected(None, workers) as client:
+    with connected(None, options.workers) as client:
         found = {task.key: outcome for task, outcome in spread(client, function, tasks)}
     for outcome in found.values():
         if isinstance(outcome, BaseException):
             raise outcome
     return [found[task.key] for task in tasks]
+
+
+def _kept(function: Callable[..., Any], folder: Path, *case: Any) -> Any:
+    name = f"{Path(function.__code__.co_filename).stem}.{function.__name__}"
+    place = folder / f"{name}.{hashlib.sha256(repr(case).encode()).hexdigest()[:16]}"
+    if place.exists():
+        return pickle.loads(place.read_bytes())
+    found = function(*case)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(place, pickle.dumps(found))
+    return found
 
 
 def publish(section: str, heading: str, out: str | None) -> None:

@@ -27,7 +27,7 @@ def main() -> int:
     """Measure, print or write; 1 where "decided" is wrong in more than 5 % of where it is said."""
     options = options_of("scripts/validate voice", __doc__, HEADING, 200, 5)
     cases = [(options.seed, kind, number) for kind in KINDS for number in range(options.sets)]
-    found = of_each(counted, cases, options.workers)
+    found = of_each(counted, cases, options)
     counts = {kind: Counter[str]() for kind in KINDS}
     for (_, kind, _), outcome in zip(cases, found, strict=True):
         counts[kind].update(outcome)
