@@ -31,6 +31,7 @@ from bayescal.calibration.judging.sampled import SampledLens
 from bayescal.inference.sampled_posterior import Guess, sample_model
 from bayescal.points.views.views import Views
 from scripts.benchmark import spent
+from scripts.peers.lens import LensNuts
 from scripts.validation.sections import publish
 
 HEADING = "## Lens models"
@@ -113,6 +114,13 @@ def samplers(views: Views) -> Iterator[str]:
     many = problem.x + 0.1 * rng.standard_normal((4 * n, d)) @ problem.spread.T
     steps = 1e-5 * rng.standard_normal((4 * n, n - d))
     yield stretch("lens and poses", everything, np.concatenate([many, steps], axis=1), 1000, rate)
+    nuts = LensNuts(problem)
+    sampled, seconds = nuts.run(0)
+    theirs = sampled.ess / seconds
+    yield (
+        f"| NumPyro's NUTS, all of it, whitened, its warm-up counted | {nuts.dimension} | | "
+        f"{theirs:.0f} | {rate / theirs:.0f} |"
+    )
 
 
 def stretch(
