@@ -56,13 +56,13 @@ class JointData:
 
     def bounded_sigma(self, rss: Array) -> Array:
         """Sigma of each axis: known, or most probable within its bounds; `rss` ``(2,)``."""
-        found = []
-        for level, q in zip(self.levels, rss.tolist(), strict=True):
-            if level.bounds is None:
-                found.append(level.value)
-            else:
-                found.append(min(max(math.sqrt(q / self.n), level.bounds[0]), level.bounds[1]))
-        return np.array(found)
+        pairs = zip(self.levels, rss.tolist(), strict=True)
+        return np.array([level.bounded(q, self.n) for level, q in pairs])
+
+    def likely_sigma(self, rss: Array) -> Array:
+        """Sigma of each axis: known, or the most likely one; `rss` ``(2,)``."""
+        pairs = zip(self.levels, rss.tolist(), strict=True)
+        return np.array([level.likely(q, self.n) for level, q in pairs])
 
     def bounded_log_likelihood(self, rss: Array) -> float:
         """Maximised over sigma within its bounds, which residuals of no noise would leave."""

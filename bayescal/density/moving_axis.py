@@ -177,14 +177,6 @@ class MovingAxis:
             rule = _panels_from(low, end, n)
             yield rows, np.broadcast_to(rule.nodes, (len(rows), len(rule.nodes))), rule.weights
 
-    def bounded_sigma(self, rss: float) -> float:
-        """Sigma, known, or most probable within its bounds at a weighted sum of squares."""
-        if self.noise.bounds is None:
-            assert self.noise.value is not None, "it is known or has bounds"
-            return self.noise.value
-        low, high = self.noise.bounds
-        return min(max(math.sqrt(rss / len(self.world)), low), high)
-
     def draw(
         self, rng: np.random.Generator, position: Array, offsets: Array
     ) -> tuple[Array, Array, Array]:

@@ -100,7 +100,7 @@ def _stacked(
     values, slopes = [], []
     for axis in axes:
         e, slope = linearised(axis, position)
-        sigma = axis.bounded_sigma(float(e @ e))
+        sigma = axis.noise.bounded(float(e @ e), len(e))
         values.append(e / sigma)
         slopes.append(slope / sigma)
     if weigh:
@@ -120,7 +120,7 @@ def _height(
     for axis in axes:
         e, _ = linearised(axis, position, slopes=False)
         rss = float(e @ e)
-        sigma = axis.bounded_sigma(rss)
+        sigma = axis.noise.bounded(rss, len(e))
         total -= rss / sigma**2 / 2 + len(e) * math.log(sigma)
     return total
 

@@ -101,13 +101,9 @@ class LinearPixels:
     @cached_property
     def plain(self) -> Array:
         """Precision of each value at the sigmas of the residuals at x = 0, ``(2, n)``, px^-2."""
-        square = ((self.residuals / self.deviations) ** 2).mean(axis=1).tolist()
-        sigma = np.array(
-            [
-                level.value if level.bounds is None else np.clip(math.sqrt(q), *level.bounds)
-                for level, q in zip(self.levels, square, strict=True)
-            ]
-        )
+        rss = ((self.residuals / self.deviations) ** 2).sum(axis=1).tolist()
+        n = len(self.residuals[0])
+        sigma = np.array([v.bounded(q, n) for v, q in zip(self.levels, rss, strict=True)])
         return np.asarray((sigma[:, None] * self.deviations) ** -2.0)
 
     @cached_property

@@ -113,6 +113,17 @@ class NoiseLevel:
         assert self.bounds is not None, "sigma is known"
         return math.log(self.bounds[0]), math.log(self.bounds[1])
 
+    def bounded(self, rss: float, n: int) -> float:
+        """Sigma: known, or most probable within its bounds, of a weighted sum of `n` squares."""
+        if self.bounds is None:
+            assert self.value is not None, "it is known or has bounds"
+            return self.value
+        return min(max(math.sqrt(rss / n), self.bounds[0]), self.bounds[1])
+
+    def likely(self, rss: float, n: int) -> float:
+        """Sigma: known, or the most likely one whatever its bounds, of the same."""
+        return math.sqrt(max(rss, 1e-300) / n) if self.value is None else self.value
+
     def on_readings(self, t: Array, sd: Array | None = None) -> NoiseLevel:
         """Rule out an inferred sigma below the rounding of whole-pixel readings.
 

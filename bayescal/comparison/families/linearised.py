@@ -45,10 +45,9 @@ class Linearised:
     @property
     def deviations(self) -> Array:
         """Noise of each pixel at the highest likelihood, ``(2, n_points)``, px."""
-        weighted, out = self.residuals / self.data.deviations, []
-        for level, e in zip(self.data.levels, weighted, strict=True):
-            out.append(math.sqrt(float(e @ e) / len(e)) if level.value is None else level.value)
-        return np.asarray(np.array(out)[:, None] * self.data.deviations)
+        weighted = self.residuals / self.data.deviations
+        rss = np.array([e @ e for e in weighted])
+        return np.asarray(self.data.likely_sigma(rss)[:, None] * self.data.deviations)
 
     def spread_over(self, members: Array) -> Array | None:
         """Deviations of the reported parameters by the jackknife over groups, ``(n_names,)``.

@@ -133,7 +133,7 @@ def _climb(geometry: PinholeGeometry, data: JointData, start: Array) -> PinholeF
     good start to a lesser mode, which follows the worse axis at the other's cost.
     """
     found = _residuals(geometry, data, start)
-    sigma = np.ones(2) if found is None else _levels(data, _squares(data, found))
+    sigma = np.ones(2) if found is None else data.likely_sigma(_squares(data, found))
     free, last = start, -math.inf
     stages = iter(STAGES)
     inner, outer = next(stages)
@@ -145,7 +145,7 @@ def _climb(geometry: PinholeGeometry, data: JointData, start: Array) -> PinholeF
             return None
         residuals = found
         rss = _squares(data, residuals)
-        sigma, likelihood = _levels(data, rss), data.log_likelihood(rss)
+        sigma, likelihood = data.likely_sigma(rss), data.log_likelihood(rss)
         if likelihood - last <= outer * abs(likelihood):
             stage = next(stages, None)
             if stage is None:
@@ -175,13 +175,6 @@ def _residuals(geometry: PinholeGeometry, data: JointData, free: Array) -> Array
 def _squares(data: JointData, residuals: Array) -> Array:
     """Weighted sum of squares of each axis, ``(2,)``."""
     return np.asarray(((residuals / data.deviations) ** 2).sum(axis=1))
-
-
-def _levels(data: JointData, rss: Array) -> Array:
-    """Noise level of each axis: known, or the most likely one, ``(2,)``."""
-    pairs = zip(data.levels, rss.tolist(), strict=True)
-    likely = [math.sqrt(max(q, 1e-300) / data.n) if v.value is None else v.value for v, q in pairs]
-    return np.array(likely)
 
 
 def _minimise(
