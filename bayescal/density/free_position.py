@@ -14,14 +14,16 @@ from functools import cached_property
 import numpy as np
 
 from bayescal.arrays import Array, IntArray, in_parts
+from bayescal.density.drawn import DrawnAxis, LinearFamily
 from bayescal.density.moving_axis import MovingAxis, Rows
+from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.prior.camera import PositionPrior
 
 CHUNK = 4_000_000  # numbers held at once
 
 
 @dataclass(frozen=True, eq=False)
-class FreePositionModel:
+class FreePositionModel(LinearFamily):
     """Both axes of a linear family at a camera position that is inferred.
 
     Attributes
@@ -123,6 +125,15 @@ class FreePositionModel:
             for axis, (_, log_sigma, log_tau) in zip(self.axes, parts, strict=True):
                 out[part] += axis.log_left_out(position[part], log_sigma[part], log_tau[part])
         return out
+
+    def drawn(self, full: Array) -> tuple[DrawnAxis, DrawnAxis]:
+        """Take r and c out of completed draws."""
+        none = np.empty((len(full), 0))
+        r, c = (
+            DrawnAxis(amplitudes, log_sigma, none, GAUSSIAN, axis.data.sd)
+            for axis, (amplitudes, log_sigma, _) in zip(self.axes, self.parts(full), strict=True)
+        )
+        return r, c
 
     def parts(self, full: Array) -> list[tuple[Array, Array, Array]]:
         """Amplitudes, ln sigma and ln tau of r, and of c."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from bayescal.arrays import LOG_2PI, Array, in_parts
+from bayescal.density.drawn import DrawnAxis
 from bayescal.density.trimmed import trimmed_fits
 from bayescal.errors import InputError
 from bayescal.inference.optimum import Mode, climb
@@ -140,6 +141,11 @@ class RobustLinearModel:
         """Coordinates of the noise model at each draw, ``(n_draws, noise.dimension)``."""
         first = self.size + self.infers_sigma
         return theta[:, first : first + self.noise.dimension]
+
+    def drawn(self, full: Array) -> DrawnAxis:
+        """Take amplitudes and noise out of completed draws."""
+        amplitudes = full[:, : self.size]
+        return DrawnAxis(amplitudes, self.log_sigma(full), self.eta(full), self.noise, self.sd)
 
     def residuals(self, theta: Array) -> Array:
         """Measured less predicted pixels, ``(n_draws, n_points)``, px."""

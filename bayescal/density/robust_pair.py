@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from bayescal.arrays import Array
+from bayescal.density.drawn import DrawnAxis, LinearFamily
 from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.chains.chain import Chain
 from bayescal.inference.estimate import EvidenceEstimate
@@ -20,7 +21,7 @@ from bayescal.points.setup import AXES
 
 
 @dataclass(frozen=True, eq=False)
-class RobustPair:
+class RobustPair(LinearFamily):
     """Models of r and of c at the stated position, which have nothing in common.
 
     theta: that of r, then that of c; completed draws: theta, then ln tau of each axis where it
@@ -61,6 +62,11 @@ class RobustPair:
         """Give the reported parameters, ``(n_draws, n_names)``, px (tau: of the image)."""
         parts = zip(self.axes, self.apart(full), strict=True)
         return np.concatenate([axis.report(part) for axis, part in parts], axis=1)
+
+    def drawn(self, full: Array) -> tuple[DrawnAxis, DrawnAxis]:
+        """Take r and c out of completed draws."""
+        r, c = (axis.drawn(part) for axis, part in zip(self.axes, self.apart(full), strict=True))
+        return r, c
 
     def log_likelihood(self, full: Array) -> Array:
         """Log density of each point, r and c jointly, ``(n_draws, n_points)``."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bayescal.arrays import Array, frozen, in_parts
+from bayescal.density.drawn import DrawnAxis, LinearFamily
 from bayescal.density.moving_axis import MovingAxis
 from bayescal.density.position_search import best_position, climb, linearised
 from bayescal.density.robust_fits import LinearPixels, RobustFit, robust_fits
@@ -68,7 +69,7 @@ class Found:
 
 
 @dataclass(frozen=True, eq=False)
-class RobustFreePosition:
+class RobustFreePosition(LinearFamily):
     """Both axes at a camera position that is inferred, under any noise; a `SampledModel`.
 
     theta: the position in units of its prior's deviations from the start; then the coordinates
@@ -218,6 +219,12 @@ class RobustFreePosition:
         r, c = (axis.log_density(residuals, part) for axis, (residuals, part) in located)
         return np.asarray(r + c)
 
+    def drawn(self, full: Array) -> tuple[DrawnAxis, DrawnAxis]:
+        """Take r and c out of completed draws."""
+        located = zip(self.axes, self.located(full), strict=True)
+        r, c = (axis.drawn(part) for axis, (_, part) in located)
+        return r, c
+
     def located(self, full: Array) -> list[tuple[Array, Array]]:
         """Residuals of each axis, ``(n_draws, n_points)``, px, and its own coordinates."""
         out = []
@@ -270,7 +277,7 @@ def _reweighed(axis: MovingAxis, position: Array) -> MovingAxis:
     """Give every point the deviation that its residual makes it worth."""
     e, _ = linearised(axis, position, slopes=False)
     for _ in range(STEPS):
-        scale = max(float(np.median(np.abs(e))) / MAD, axis.bounded_sigma(0.0))
+        scale = max(float(np.median(np.abs(e))) / MAD, axis.noise.bounded(0.0, len(e)))
         root = 1 / np.sqrt(1 + (e / (CAUCHY * scale)) ** 2)
         own = 1.0 if axis.data.sd is None else axis.data.sd
         made = replace(axis, data=replace(axis.data, sd=own * scale / root))

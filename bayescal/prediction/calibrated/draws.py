@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.density.drawn import DrawnAxis
 from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.inference.posterior import Posterior
 from bayescal.inference.weighting import WeightedDraws
 from bayescal.linear.closed_form import ExactPosterior
+from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.model import NoiseModel
 from bayescal.prediction.calibrated.members import KEPT, Parameters
 from bayescal.prediction.calibrated.noise import NewNoise
@@ -29,11 +31,21 @@ class AxisDraws:
         ``(n_draws,)``; of a scale where points have deviations of their own.
     eta : Array
         Coordinates of the noise model, ``(n_draws, dimension)``.
+    sd : Array or None
+        The points' own deviations, ``(n_points,)``, px.
     """
 
     parameters: Parameters
     log_sigma: Array
     eta: Array
+    noise: NoiseModel
+    sd: Array | None
+
+    @classmethod
+    def of(cls, drawn: DrawnAxis) -> AxisDraws:
+        """Take mean and covariance from the draws."""
+        parameters = Parameters.of_draws(drawn.amplitudes)
+        return cls(parameters, drawn.log_sigma, drawn.eta, drawn.noise, drawn.sd)
 
 
 def thinned(draws: Array, n: int = KEPT) -> Array:
@@ -49,26 +61,20 @@ def completed(kept: Posterior | WeightedDraws) -> Array:
     return thinned(full.reshape(-1, full.shape[-1]))
 
 
-def of_posterior(posterior: Posterior) -> AxisDraws:
-    """Draws of one order of one axis."""
+def of_posterior(posterior: Posterior, sd: Array | None) -> AxisDraws:
+    """Draws of one order of one axis, whose points have deviations `sd` of their own."""
     exact = posterior.exact
     if exact is not None:
         model = exact.model
         theta = thinned(posterior.chain.theta.reshape(-1, model.dimension))
         log_sigma = theta[:, model.size] if model.infers_sigma else np.full(KEPT, _known(exact))
-        return _of_exact(exact, theta[:, : model.size], log_sigma)
+        return _of_exact(exact, theta[:, : model.size], log_sigma, sd)
     robust, full = posterior.model, completed(posterior)
     assert isinstance(robust, RobustLinearModel), "what one axis is sampled as"
-    return of_robust(robust, full)
+    return AxisDraws.of(robust.drawn(full))
 
 
-def of_robust(model: RobustLinearModel, full: Array) -> AxisDraws:
-    """Draws of one axis under robust noise, from its completed draws."""
-    amplitudes = Parameters.of_draws(full[:, : model.size])
-    return AxisDraws(amplitudes, model.log_sigma(full), model.eta(full))
-
-
-def of_exact(exact: ExactPosterior, rng: np.random.Generator) -> AxisDraws:
+def of_exact(exact: ExactPosterior, rng: np.random.Generator, sd: Array | None) -> AxisDraws:
     """Draws of a closed form: a node of its quadrature by weight, then a normal."""
     share = exact.weights.ravel()
     nodes = rng.choice(share.size, size=KEPT, p=share / share.sum())
@@ -79,12 +85,14 @@ def of_exact(exact: ExactPosterior, rng: np.random.Generator) -> AxisDraws:
     total = conditional.precision * level[:, None] ** 2 + d**2
     a = d * w / total + level[:, None] / np.sqrt(total) * rng.standard_normal(d.shape)
     b = exact.model.prior.mean + np.einsum("npq,nq->np", conditional.to_b[tau], a)
-    return _of_exact(exact, b, np.log(level))
+    return _of_exact(exact, b, np.log(level), sd)
 
 
-def _of_exact(exact: ExactPosterior, amplitudes: Array, log_sigma: Array) -> AxisDraws:
+def _of_exact(
+    exact: ExactPosterior, amplitudes: Array, log_sigma: Array, sd: Array | None
+) -> AxisDraws:
     parameters = Parameters(exact.mean, exact.root, amplitudes, True)
-    return AxisDraws(parameters, log_sigma, np.empty((len(log_sigma), 0)))
+    return AxisDraws(parameters, log_sigma, np.empty((len(log_sigma), 0)), GAUSSIAN, sd)
 
 
 def _known(exact: ExactPosterior) -> float:

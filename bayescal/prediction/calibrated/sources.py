@@ -12,14 +12,11 @@ from bayescal.arrays import Array
 from bayescal.cameras.pose import rotation_vectors
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.results import FamilyComparison
+from bayescal.comparison.key import Key
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.density.free_position import FreePositionModel
+from bayescal.density.drawn import LinearFamily
 from bayescal.density.pinholes.pinhole import PinholeModel
-from bayescal.density.robust_pair import RobustPair
-from bayescal.density.robust_position import RobustFreePosition
 from bayescal.errors import InputError
-from bayescal.noise.gaussian import GAUSSIAN
-from bayescal.noise.model import NoiseModel
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials import bivariate, separable
@@ -32,7 +29,6 @@ from bayescal.prediction.calibrated.draws import (
     new_noise,
     of_exact,
     of_posterior,
-    of_robust,
 )
 from bayescal.prediction.calibrated.hull import hull_of
 from bayescal.prediction.calibrated.lens_member import LensMember
@@ -73,24 +69,15 @@ def _of_orders(result: Comparison) -> CalibratedCamera:
     axes = tuple(result.axes[name] for name in AXES)
     shares = [_shares(axis) for axis in axes]
     draws = [
-        {k: of_posterior(axis[k].posterior) for k in share}
+        {k: of_posterior(axis[k].posterior, axis.data.sd) for k in share}
         for axis, share in zip(axes, shares, strict=True)
     ]
     pairs = sorted(
         ((p * q, k, m) for k, p in shares[0].items() for m, q in shares[1].items()),
         key=lambda pair: (-pair[0], pair[1:]),
     )[:MOST]
-    deviations = (axes[0].data.sd, axes[1].data.sd)
     members = [
-        _polynomial(
-            f"separable ({k}, {m})",
-            points,
-            (k, m),
-            False,
-            (draws[0][k], draws[1][m]),
-            axes[0].noise_model,
-            deviations,
-        )
+        _polynomial(Key(separable.NAME, (k, m)), points, (draws[0][k], draws[1][m]))
         for _, k, m in pairs
     ]
     decided = all(axis.verdict.decided or axis.verdict.order is None for axis in axes)
@@ -149,62 +136,32 @@ def _camera(
 
 def _member(result: FamilyComparison, found: JointModel) -> Member | None:
     """Make a member of a joint model; None where neither closed form nor draws were kept."""
-    points, name, key = result.points, str(found.key), found.key
+    points, key = result.points, found.key
     if found.exact:
-        rng = key.rng(result.settings.seed, 1_000_000)
-        r, c = (of_exact(exact, rng) for exact in found.exact)
-        deviations = _deviations(result, points)
-        return _polynomial(
-            name, points, _pair(key.orders), key.family == bivariate.NAME, (r, c), GAUSSIAN,
-            deviations,
-        )  # fmt: skip
+        from bayescal.comparison.families.models import linear_axes
+
+        rng, highest = key.rng(result.settings.seed, 1_000_000), max(result.request.orders)
+        axes = linear_axes(points, separable.NAME, result.settings, highest)
+        r, c = (of_exact(e, rng, a.data.sd) for e, a in zip(found.exact, axes, strict=True))
+        return _polynomial(key, points, (r, c), name=str(key))
     kept = found.posterior or found.weighted
     if kept is None:
         return None
     full, model = completed(kept), kept.model
     if isinstance(model, PinholeModel):
-        return _pinhole(name, points, model, full)
-    two = key.family == bivariate.NAME
-    orders = _pair(key.orders)
-    if isinstance(model, RobustPair):
-        r, c = (of_robust(a, part) for a, part in zip(model.axes, model.apart(full), strict=True))
-        shape, sds = model.axes[0].noise, (model.axes[0].sd, model.axes[1].sd)
-        return _polynomial(name, points, orders, two, (r, c), shape, sds)
-    if isinstance(model, RobustFreePosition):
-        parts = [part for _, part in model.located(full)]
-        r, c = (of_robust(a, part) for a, part in zip(model.axes, parts, strict=True))
-        shape, sds = model.axes[0].noise, (model.axes[0].sd, model.axes[1].sd)
-        return _polynomial(name, points, orders, two, (r, c), shape, sds, model.position(full))
-    assert isinstance(model, FreePositionModel), "the last kind of joint model"
-    none = np.empty((len(full), 0))
-    r, c = (AxisDraws(Parameters.of_draws(b), level, none) for b, level, _ in model.parts(full))
-    sds = (model.axes[0].data.sd, model.axes[1].data.sd)
-    return _polynomial(name, points, orders, two, (r, c), GAUSSIAN, sds, model.position(full))
-
-
-def _pair(orders: tuple[int, ...]) -> tuple[int, int]:
-    return orders[0], orders[-1]
-
-
-def _deviations(
-    result: FamilyComparison, points: Correspondences
-) -> tuple[Array | None, Array | None]:
-    """Deviations of their own that the points of a linear family have."""
-    from bayescal.comparison.families.models import linear_axes
-
-    r, c = linear_axes(points, separable.NAME, result.settings, max(result.request.orders))
-    return r.data.sd, c.data.sd
+        return _pinhole(str(key), points, model, full)
+    assert isinstance(model, LinearFamily), "the other kind of joint model"
+    r, c = map(AxisDraws.of, model.drawn(full))
+    return _polynomial(key, points, (r, c), model.position(full), name=str(key))
 
 
 def _polynomial(
-    name: str,
+    key: Key,
     points: Correspondences,
-    orders: tuple[int, int],
-    two: bool,
     axes: tuple[AxisDraws, AxisDraws],
-    noise: NoiseModel,
-    deviations: tuple[Array | None, Array | None],
     positions: Array | None = None,
+    *,
+    name: str = "",
 ) -> PolynomialMember:
     """Put both axes of a linear family together, with the camera position where it is inferred."""
     stated = points.camera_frame()
@@ -220,15 +177,15 @@ def _polynomial(
     level = np.column_stack([axis.log_sigma for axis in axes])
     eta = np.stack([axis.eta for axis in axes], axis=1)
     return PolynomialMember(
-        orders,
+        (key.orders[0], key.orders[-1]),
         (first, second),
-        two,
+        key.family == bivariate.NAME,
         hull_of(scaled),
         position,
         float(np.sign(np.median(stated[:, 2]))),
-        name,
+        name or f"{key.family} ({key.order})",
         parameters,
-        new_noise(level, eta, noise, deviations),
+        new_noise(level, eta, axes[0].noise, (axes[0].sd, axes[1].sd)),
     )
 
 
