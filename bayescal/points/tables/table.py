@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from bayescal.errors import InputError
 from bayescal.points.setup import LARGEST, LARGEST_PX, SMALLEST_PX
@@ -17,7 +16,6 @@ from bayescal.points.tables.columns import (
     match_columns,
     reading_note,
 )
-from bayescal.points.tables.content import read_content
 from bayescal.points.tables.sniffing import TextTable, parse_table, with_points
 from bayescal.points.tables.text import quoted
 
@@ -37,12 +35,6 @@ class Rows:
 
     rows: tuple[Row, ...]
     notes: tuple[str, ...] = ()
-
-
-def read_bytes(source: str | Path, what: str = "a points file") -> tuple[str, bytes]:
-    """Read a file, or standard input for "-": its name for messages, and its bytes."""
-    content = read_content(source, what)
-    return content.name, content.raw
 
 
 def read_rows(

@@ -13,8 +13,8 @@ from bayescal.errors import InputError
 from bayescal.points.setup import Setup
 from bayescal.points.setup_file import load_setup
 from bayescal.points.tables.columns import parse_stated
+from bayescal.points.tables.content import Content, read_content
 from bayescal.points.tables.frames import is_frame
-from bayescal.points.tables.table import read_bytes
 from bayescal.points.tables.text import quoted
 from bayescal.points.views.board import Board, board_named
 from bayescal.points.views.formats import orpc, table
@@ -107,8 +107,9 @@ def _source(
         board = dataclasses.replace(board, square=square)
     path = None if str(source) == "-" else Path(source)
     folder = path is not None and _is_folder(path)
-    name, raw = (str(source), b"") if folder else read_bytes(str(source), WHAT)
-    given = Source(name, raw, path, board, target, columns)
+    content = Content(str(source), b"") if folder else read_content(source, WHAT)
+    name = content.name
+    given = Source(name, content.raw, path, board, target, columns)
     if folder and not orpc.recognises(given):
         raise InputError(f"{name}: is a folder without .orpc files; name a file of views")
     if target is not None and not orpc.recognises(given):

@@ -210,6 +210,8 @@ def assembled(
         What the format's reader has to say.
     sigma : list of Array, optional
         How the points' deviations compare, ``(n_i,)`` each.
+    sha256 : str, optional
+        Hash of what was read; of the source's bytes by default.
 
     Raises
     ------
@@ -242,6 +244,6 @@ def assembled(
         width=size[0],
         height=size[1],
         source=source.name,
-        sha256=sha256,
+        sha256=sha256 or source.sha256,
         notes=told,
     )

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import ast
 import base64
-import hashlib
 import warnings
 
 import numpy as np
@@ -105,8 +104,7 @@ def _views(source: Source, arrays: dict[str, Array], camera: int) -> Views:
     notes = [f"{counted(rejected, 'point')} that mrcal rejected left out"] if rejected else []
     if len(mine) < len(observed):
         notes.append(f"camera {camera} of several; the views of the others left out")
-    digest = hashlib.sha256(source.raw).hexdigest()
-    return assembled(source, seen, _size(arrays, camera), tuple(notes), sigma, digest)
+    return assembled(source, seen, _size(arrays, camera), tuple(notes), sigma)
 
 
 def _size(arrays: dict[str, Array], camera: int) -> tuple[float | None, float | None]:

@@ -9,7 +9,6 @@ detectCheckerboardPoints and generateCheckerboardPoints return them; ``imageSize
 
 from __future__ import annotations
 
-import hashlib
 import re
 from collections.abc import Mapping
 
@@ -43,19 +42,18 @@ def read(source: Source) -> Views:
         Where it can't be used.
     """
     found = _load(source)
-    digest = hashlib.sha256(source.raw).hexdigest()
     pairs = _bouguet(found)
     if pairs:
         source.refuse_board()
         seen, notes = _active(pairs, found.get("active_images"))
-        return assembled(source, seen, image_size(found), notes, sha256=digest)
+        return assembled(source, seen, image_size(found), notes)
     shaped = {name: _toolbox(name, array) for name, array in found.items()}
     views = views_of(source, shaped)
     views = [Seen(one.name, one.world, one.pixels - 1.0) for one in views]
     size = shaped.get("imageSize")
     stated = image_size({"image_shape": size}) if size is not None else (None, None)
     note = "pixels counted from 1, as MATLAB does, were taken one less"
-    return assembled(source, views, stated, (note,), sha256=digest)
+    return assembled(source, views, stated, (note,))
 
 
 def _wanted(name: str) -> bool:

@@ -9,8 +9,6 @@ name. Camcal's archives (target_points, frame_0_indices, frame_0_detections, ...
 
 from __future__ import annotations
 
-import hashlib
-
 from bayescal.points.views.formats.archive import is_archive, read_arrays
 from bayescal.points.views.formats.arrays import assembled, image_size, known, views_of
 from bayescal.points.views.formats.source import Source
@@ -33,6 +31,4 @@ def read(source: Source) -> Views:
         Where it can't be used.
     """
     arrays = read_arrays(source.name, source.raw, known)
-    seen = views_of(source, arrays)
-    digest = hashlib.sha256(source.raw).hexdigest()
-    return assembled(source, seen, image_size(arrays), sha256=digest)
+    return assembled(source, views_of(source, arrays), image_size(arrays))

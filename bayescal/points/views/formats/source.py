@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from bayescal.errors import InputError
+from bayescal.points.tables.content import Content
 from bayescal.points.views.board import Board
 
 
 @dataclass(frozen=True)
-class Source:
+class Source(Content):
     """A file's bytes, and what the user says of it.
 
     Attributes
     ----------
-    name : str
-        For messages.
-    path : Path or None
-        None for standard input.
     board : Board or None
         The target's points, where the file holds only pixels.
     target : Path or None
@@ -28,12 +26,14 @@ class Source:
         What the user says of a table's columns.
     """
 
-    name: str
-    raw: bytes
-    path: Path | None = None
     board: Board | None = None
     target: Path | None = None
     columns: Mapping[str, str] | None = None
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the bytes."""
+        return hashlib.sha256(self.raw).hexdigest()
 
     @property
     def suffix(self) -> str:

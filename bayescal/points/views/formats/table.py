@@ -8,7 +8,6 @@ deviations only compare the points.
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -19,7 +18,6 @@ from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.points.exports import parquet, spreadsheet
 from bayescal.points.tables.columns import PIXEL_SIGMAS, Columns
-from bayescal.points.tables.content import Content
 from bayescal.points.tables.frames import frame_table
 from bayescal.points.tables.table import Row, Rows, number, read_rows, rows_of
 from bayescal.points.tables.text import quoted
@@ -49,14 +47,13 @@ def read(source: Source) -> Views:
         Where it can't be used; the message names its line.
     """
     source.refuse_board()
-    content = Content(source.name, source.raw)
-    digest = hashlib.sha256(source.raw).hexdigest()
     for program in (spreadsheet, parquet):
-        if program.recognises(content):
-            found = program.read(content, None)
-            return _views(source.name, rows_of(found.table, COLUMNS, source.columns), "", digest)
-    text = content.text()
-    return _views(source.name, read_rows(source.name, text, COLUMNS, source.columns), text, digest)
+        if program.recognises(source):
+            rows = rows_of(program.read(source, None).table, COLUMNS, source.columns)
+            return _views(source.name, rows, "", source.sha256)
+    text = source.text()
+    rows = read_rows(source.name, text, COLUMNS, source.columns)
+    return _views(source.name, rows, text, source.sha256)
 
 
 def from_frame(frame: Any, columns: Mapping[str, str] | None) -> Views:

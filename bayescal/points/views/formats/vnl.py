@@ -7,7 +7,6 @@ a level (how often the image was halved to find the corner) of k gives the weigh
 
 from __future__ import annotations
 
-import hashlib
 import math
 
 import numpy as np
@@ -87,8 +86,7 @@ def _views(
     kind = "the column weight" if weighted else "levels"
     differ = any((one != 1.0).any() for one in sigma)
     notes = (f"{kind} say how the points' deviations compare",) if differ else ()
-    digest = hashlib.sha256(source.raw).hexdigest()
-    return assembled(source, seen, (None, None), notes, sigma, digest)
+    return assembled(source, seen, (None, None), notes, sigma)
 
 
 def _corner(where: str, words: list[str], weighted: bool) -> tuple[float, float, float]:
