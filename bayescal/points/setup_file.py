@@ -17,13 +17,15 @@ import tomllib
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from bayescal.errors import InputError
 from bayescal.points.camera import CAMERA_KEYS, PINHOLE_KEYS, StatedCamera
 from bayescal.points.heading import SILENT, Heading
 from bayescal.points.setup import AXES, Setup, StatedPrior, number
 from bayescal.points.tables.content import LARGEST_SETUP, read_file
+
+Stated = TypeVar("Stated", Setup, StatedCamera, Heading)
 
 _KEYS = {
     "": {"camera", "image", "prior", "report", "world"},
@@ -149,13 +151,16 @@ class _Parser:
         world = self.table("world")
         if "sigma" in world:
             given["world_sigma"] = self.numbers(world, "world.sigma", 3)
-        for name, value in given.items():  # one by one, so that a complaint has its line
-            try:
-                found = replace(found, **{name: value})
-            except InputError as error:
-                key = _PLACES.get(name, f"image.{name}")
-                raise InputError(f"{self.place(key)}: {error}") from None
+        for name, value in given.items():
+            found = self.with_stated(found, name, value, _PLACES.get(name, f"image.{name}"))
         return found
+
+    def with_stated(self, found: Stated, name: str, value: Any, key: str) -> Stated:
+        """Add one value, so that a complaint of it has its line."""
+        try:
+            return replace(found, **{name: value})
+        except InputError as error:
+            raise InputError(f"{self.place(key)}: {error}") from None
 
     def camera(self) -> StatedCamera:
         found = StatedCamera()
@@ -170,19 +175,13 @@ class _Parser:
                     value = number(value)
                 else:
                     raise self.fail(key, "must be a number")
-                try:  # one by one, so that a complaint has its line
-                    found = replace(found, **{name: value})
-                except InputError as error:
-                    raise InputError(f"{self.place(key)}: {error}") from None
+                found = self.with_stated(found, name, value, key)
         return found
 
     def heading(self) -> Heading:
         found = SILENT
         for name, text in self.table("report").items():
-            try:  # one by one, so that a complaint has its line
-                found = replace(found, **{name: text})
-            except InputError as error:
-                raise InputError(f"{self.place(f'report.{name}')}: {error}") from None
+            found = self.with_stated(found, name, text, f"report.{name}")
         return found
 
     def prior(self, axis: str) -> StatedPrior:
