@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_lenses(model)
     model.add_argument(
         "--sigma",
-        type=_sigma,
+        type=shared.level_or("inferred", "replicates", "scale", "per-view"),
         metavar="LEVEL",
         help="noise level: px, inferred, or per-view: each view its own (inferred)",
     )
@@ -106,11 +106,6 @@ def run(options: argparse.Namespace) -> int:
         write_whole(Path(options.report), made.encode(), force=options.force)
     _write_cameras(options, result)
     return code_of(sound=result.sound)
-
-
-def _sigma(text: str) -> float | str:
-    """Parse a noise level: a number of px or a word."""
-    return text if text == "per-view" else shared.sigma(text)
 
 
 def _check_cameras(options: argparse.Namespace) -> None:

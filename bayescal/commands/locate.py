@@ -11,6 +11,7 @@ from bayescal.commands.shared.camera import (
     add_rows,
     camera_of,
     check_rows,
+    publish_answers,
     publish_rows,
 )
 from bayescal.commands.shared.camera import read_rows as read_table
@@ -84,7 +85,7 @@ def run(options: argparse.Namespace) -> int:
         ends = table.columns("r1", "c1"), table.columns("r2", "c2")
         apart = distances(camera, *ends, surface, seed=options.seed)
         columns = using.asked_and_found(table, PAIR, named.pair_columns(apart))
-        schema, facts = using.DISTANCES, {"probability": apart.probability}
+        schema, probability = using.DISTANCES, apart.probability
         view = partial(shown.pair_view, camera, table, apart, surface)
     else:
         table = read_table(options, options.pixels, ("r", "c"))
@@ -92,16 +93,9 @@ def run(options: argparse.Namespace) -> int:
 
         found = locate(camera, table.columns("r", "c"), surface=surface, seed=options.seed)
         columns = using.asked_and_found(table, ("r", "c"), named.location_columns(found))
-        schema, facts = using.LOCATION, {"probability": found.probability}
+        schema, probability = using.LOCATION, found.probability
         view = partial(shown.location_view, camera, table, found)
-    command = options.command_line
-    publish_rows(
-        options,
-        columns,
-        lambda: using.rows_document(schema, camera, columns, command, **facts),
-        view,
-    )
-    return DONE
+    return publish_answers(options, schema, camera, columns, view, probability=probability)
 
 
 def _target(options: argparse.Namespace, camera: CalibratedCamera, surface: Surface | None) -> int:

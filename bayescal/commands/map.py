@@ -9,9 +9,8 @@ from bayescal.commands.shared.camera import (
     add_output,
     camera_of,
     check_rows,
-    publish_rows,
+    publish_answers,
 )
-from bayescal.commands.shared.output import DONE
 from bayescal.errors import InputError
 
 DESCRIPTION = (
@@ -44,13 +43,11 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.report.views.maps import map_view
 
     found = image_maps(camera, columns=columns, rows=rows)
-    values = map_columns(found)
-    publish_rows(
+    return publish_answers(
         options,
-        values,
-        lambda: using.rows_document(
-            using.MAPS, camera, values, options.command_line, sentences=list(found.sentences)
-        ),
+        using.MAPS,
+        camera,
+        map_columns(found),
         lambda: map_view(camera, found),
+        sentences=list(found.sentences),
     )
-    return DONE

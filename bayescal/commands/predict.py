@@ -9,10 +9,9 @@ from bayescal.commands.shared.camera import (
     add_rows,
     camera_of,
     check_rows,
-    publish_rows,
+    publish_answers,
 )
 from bayescal.commands.shared.camera import read_rows as read_table
-from bayescal.commands.shared.output import DONE
 
 DESCRIPTION = (
     "Predict pixels of world points by a calibrated camera: mean and sd of the mapping, sd of a "
@@ -43,18 +42,13 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.report.views.prediction import prediction_view
 
     columns = using.asked_and_found(table, ("x", "y", "z"), prediction_columns(found))
-    publish_rows(
+    return publish_answers(
         options,
+        using.PREDICTION,
+        camera,
         columns,
-        lambda: using.rows_document(
-            using.PREDICTION,
-            camera,
-            columns,
-            options.command_line,
-            method=found.method,
-            probability=found.probability,
-            notes=list(found.notes),
-        ),
         lambda: prediction_view(camera, table, found),
+        method=found.method,
+        probability=found.probability,
+        notes=list(found.notes),
     )
-    return DONE

@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     elimination.add_argument(
         "--sigma",
-        type=sigma,
+        type=shared.level_or("inferred"),
         default="inferred",
         metavar="inferred|PX",
         help="noise level: inferred from the residuals, or known, px (inferred)",
@@ -45,18 +45,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_output(
         parser, "write figures 6-10 (PNG, SVG) and all numbers, reproduction.json", progress=False
     )
-
-
-def sigma(text: str) -> float | str:
-    """Parse a noise level: a number of px, or ``inferred``."""
-    if text == "inferred":
-        return text
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is neither 'inferred' nor a number of px"
-        ) from None
 
 
 def run(options: argparse.Namespace) -> int:

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bayescal.commands.shared.output import DONE
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
@@ -90,8 +91,6 @@ def read_rows(
     options: argparse.Namespace,
     source: str,
     required: tuple[str, ...],
-    optional: tuple[str, ...] = (),
-    also: dict[str, tuple[str, ...]] | None = None,
 ) -> PartialTable:
     """Read the table of a command; name its bad rows.
 
@@ -105,12 +104,30 @@ def read_rows(
     from bayescal.report.views.prediction import bad_rows
 
     stated = None if options.columns is None else parse_stated(options.columns)
-    table = read_partial(source, required, optional, stated, also)
+    table = read_partial(source, required, stated)
     if table.problems and options.strict:
         raise InputError(table.problems[0])
     for line in bad_rows(table.problems):
         print(f"bayescal: left out: {line}", file=sys.stderr)
     return table
+
+
+def publish_answers(
+    options: argparse.Namespace,
+    schema: str,
+    camera: CalibratedCamera,
+    columns: dict[str, Any],
+    view: Callable[[], Any],
+    **facts: Any,
+) -> int:
+    """Write or show what a camera answers, row by row; give the exit code."""
+    from bayescal.report.document.using import rows_document
+
+    command = options.command_line
+    publish_rows(
+        options, columns, lambda: rows_document(schema, camera, columns, command, **facts), view
+    )
+    return DONE
 
 
 def publish_rows(

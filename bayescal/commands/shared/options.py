@@ -11,6 +11,8 @@ from bayescal.errors import InputError
 from bayescal.noise import NAMES
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from bayescal.points.chunks.many import ManyPoints
     from bayescal.points.correspondences import Correspondences
 
@@ -95,7 +97,7 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
     model = parser.add_argument_group("model")
     model.add_argument(
         "--sigma",
-        type=sigma,
+        type=level_or("inferred", "replicates", "scale"),
         metavar="LEVEL",
         help="noise level: known, px; inferred; from replicates; or scale, a factor on the file's "
         "sigma_r, sigma_c (those as they stand where the file has them, else inferred)",
@@ -162,16 +164,20 @@ def orders(text: str) -> list[int]:
     return sorted(found)
 
 
-def sigma(text: str) -> float | str:
-    """Parse a noise level: a number of px or a word."""
-    if text in ("inferred", "replicates", "scale"):
-        return text
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is neither inferred, replicates, scale nor a number of px"
-        ) from None
+def level_or(*words: str) -> Callable[[str], float | str]:
+    """Make a parser of noise levels: a number of px or a word."""
+
+    def parse(text: str) -> float | str:
+        if text in words:
+            return text
+        try:
+            return float(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(
+                f"{text!r} is neither {', '.join(words)} nor a number of px"
+            ) from None
+
+    return parse
 
 
 def points(options: argparse.Namespace) -> Correspondences:

@@ -27,7 +27,7 @@ class PartialTable:
     name : str
         The source, for messages.
     values : dict of str to Array
-        Numbers by column, ``(n,)``; optional columns only where the table has them.
+        Numbers by column, ``(n,)``.
     labels : tuple of str
         "1", "2", ... of the file's rows where it has none.
     lines : tuple of int
@@ -54,11 +54,7 @@ class PartialTable:
 
 
 def read_partial(
-    source: str | Path,
-    required: tuple[str, ...],
-    optional: tuple[str, ...] = (),
-    stated: Mapping[str, str] | None = None,
-    also: Mapping[str, tuple[str, ...]] | None = None,
+    source: str | Path, required: tuple[str, ...], stated: Mapping[str, str] | None = None
 ) -> PartialTable:
     """Read the rows of a table that are complete and finite.
 
@@ -66,12 +62,10 @@ def read_partial(
     ----------
     source : str or Path
         A file, or ``"-"`` for standard input.
-    required, optional : tuple of str
+    required : tuple of str
         Columns of numbers.
     stated : mapping of str to str, optional
         Names or numbers of columns, as the user says.
-    also : mapping of str to tuple of str, optional
-        More names of columns, without capitals or punctuation.
 
     Raises
     ------
@@ -79,16 +73,15 @@ def read_partial(
         Where there is no table, a column is missing, or no row is left.
     """
     content = read_content(source, f"a table with columns {','.join(required)}")
-    known = Columns(required, (*required, *optional, "label"), also or {})
+    known = Columns(required, (*required, "label"))
     problems: list[str] = []
     table = parse_table(content.name, content.text(), ",".join(required), problems)
     read = rows_of(table, known, stated)
     numbers: list[list[float]] = []
     labels, lines = [], []
-    present = [c for c in (*required, *optional) if read.rows and c in read.rows[0].fields]
     for i, row in enumerate(read.rows, 1):
         try:
-            numbers.append([number(content.name, row, column) for column in present])
+            numbers.append([number(content.name, row, column) for column in required])
         except InputError as error:
             problems.append(str(error))
             continue
@@ -100,7 +93,7 @@ def read_partial(
     array = np.array(numbers)
     return PartialTable(
         content.name,
-        {column: array[:, j] for j, column in enumerate(present)},
+        {column: array[:, j] for j, column in enumerate(required)},
         one_line(tuple(labels)),
         tuple(lines),
         tuple(sorted(problems, key=_line_of)),
