@@ -11,7 +11,7 @@ from bayescal.arrays import Array
 from bayescal.cameras.direct_linear import direct_linear
 from bayescal.density.free_position import FreePositionModel
 from bayescal.density.moving_axis import MovingAxis
-from bayescal.inference.optimum import Mode
+from bayescal.inference.optimum import Mode, ascend, differences
 from bayescal.inference.t_mixture import cholesky
 from bayescal.prior.camera import PositionPrior
 
@@ -71,26 +71,22 @@ def climb(
 
     `weigh` adds the prior to the likelihood.
     """
-    position, value = start, _height(axes, prior, start, weigh=weigh)
     unit = np.full(3, _reach(axes[0].world, prior))
     if weigh:
         unit = np.minimum(unit, prior.sd)
-    for _ in range(MOST_STEPS):
+
+    def step(position: Array) -> Array:
         e, slope = _stacked(axes, prior, position, weigh=weigh)
         # A direction that changes nothing is not taken.
-        step = np.linalg.lstsq(slope * unit, -e, rcond=1e-12)[0]
-        step *= unit / max(1.0, float(np.linalg.norm(step)) / LONGEST)
-        gain = 0.0
-        for halving in range(HALVINGS):
-            trial = position + step * 0.5**halving
-            if prior.possible(axes[0].world, trial[None])[0]:
-                reached = _height(axes, prior, trial, weigh=weigh)
-                if reached > value:
-                    position, gain, value = trial, reached - value, reached
-                    break
-        if gain < SETTLED:
-            break
-    return position, value
+        found = np.linalg.lstsq(slope * unit, -e, rcond=1e-12)[0]
+        return np.asarray(found * (unit / max(1.0, float(np.linalg.norm(found)) / LONGEST)))
+
+    def height(position: Array) -> float:
+        if not prior.possible(axes[0].world, position[None])[0]:
+            return -math.inf
+        return _height(axes, prior, position, weigh=weigh)
+
+    return ascend(height, step, start, most=MOST_STEPS, halvings=HALVINGS, settled=SETTLED)
 
 
 def _stacked(
@@ -198,16 +194,12 @@ def position_mode(model: FreePositionModel) -> Mode:
 
 def _differences(model: FreePositionModel, theta: Array, step: Array) -> tuple[float, Array, Array]:
     """Log density, its slope and minus its curvature, per step: a column of `step` each."""
-    unit = step.T
+    centre, up, down, mixed = differences(model.log_prob, theta, step.T)
     i, j = np.triu_indices(3, 1)
-    corners = [a * unit[i] + b * unit[j] for a in (1, -1) for b in (1, -1)]
-    values = model.log_prob(theta + np.concatenate([np.zeros((1, 3)), unit, -unit, *corners]))
-    centre, up, down = values[0], values[1:4], values[4:7]
-    pp, pm, mp, mm = values[7:].reshape(4, 3)
     with np.errstate(invalid="ignore"):
         hessian = np.diag(2 * centre - up - down)
-        hessian[i, j] = hessian[j, i] = (pm + mp - pp - mm) / 4
+        hessian[i, j] = hessian[j, i] = mixed
         gradient = (up - down) / 2
     # Beside an impossible position: no slope, and the curvature of the steps' own making.
     gradient = np.where(np.isfinite(gradient), gradient, 0.0)
-    return float(centre), gradient, np.where(np.isfinite(hessian), hessian, SHARE**2 * np.eye(3))
+    return centre, gradient, np.where(np.isfinite(hessian), hessian, SHARE**2 * np.eye(3))

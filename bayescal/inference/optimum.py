@@ -117,23 +117,69 @@ def _steps(log_density: LogDensity, theta: Array) -> Array:
     return np.asarray(ladder[at, np.arange(d), np.arange(d)])
 
 
-def _curvature_root(log_density: LogDensity, theta: Array) -> Array:
-    """Root of the inverse of the negative Hessian, by central differences."""
+def differences(
+    log_density: LogDensity, theta: Array, unit: Array
+) -> tuple[float, Array, Array, Array]:
+    """Values at a place, a step up and a step down, and minus mixed second differences.
+
+    Steps are the rows of `unit`, ``(d, d)``; mixed ones are of each pair of them, in the order of
+    ``numpy.triu_indices``.
+    """
     d = len(theta)
-    step = _steps(log_density, theta)
-    unit = np.diag(step)
     i, j = np.triu_indices(d, 1)
     corners = [a * unit[i] + b * unit[j] for a in (1, -1) for b in (1, -1)]
-    places = np.concatenate([np.zeros((1, d)), unit, -unit, *corners])
-    values = log_density(theta + places)
-    centre, up, down = values[0], values[1 : d + 1], values[d + 1 : 2 * d + 1]
+    values = log_density(theta + np.concatenate([np.zeros((1, d)), unit, -unit, *corners]))
+    pp, pm, mp, mm = values[2 * d + 1 :].reshape(4, -1)
+    with np.errstate(invalid="ignore"):
+        mixed = (pm + mp - pp - mm) / 4
+    return float(values[0]), values[1 : d + 1], values[d + 1 : 2 * d + 1], mixed
+
+
+def ascend(
+    height: Callable[[Array], float],
+    step: Callable[[Array], Array],
+    start: Array,
+    *,
+    most: int,
+    halvings: int,
+    settled: float,
+) -> tuple[Array, float]:
+    """Climb by steps that are halved until they gain; where that ends, and how high.
+
+    Parameters
+    ----------
+    height : callable
+        Of a place; -inf where it is none.
+    step : callable
+        From a place.
+    most, halvings : int
+        Steps, and trials of each.
+    settled : float
+        Gain of a step below which it ends.
+    """
+    place, reached = start, height(start)
+    for _ in range(most):
+        move, gain = step(place), 0.0
+        for halving in range(halvings):
+            trial = place + move * 0.5**halving
+            found = height(trial)
+            if found > reached:
+                place, gain, reached = trial, found - reached, found
+                break
+        if gain < settled:
+            break
+    return place, reached
+
+
+def _curvature_root(log_density: LogDensity, theta: Array) -> Array:
+    """Root of the inverse of the negative Hessian, by central differences."""
+    step = _steps(log_density, theta)
+    centre, up, down, mixed = differences(log_density, theta, np.diag(step))
     # Beyond the support's edge the other side is mirrored; a corner there says nothing.
     up, down = np.where(np.isfinite(up), up, down), np.where(np.isfinite(down), down, up)
     second = np.where(np.isfinite(up), 2 * centre - up - down, 0.0)
     hessian = np.diag(second)  # of minus the log density, per step^2
-    pp, pm, mp, mm = values[2 * d + 1 :].reshape(4, -1)
-    with np.errstate(invalid="ignore"):
-        mixed = (pm + mp - pp - mm) / 4
+    i, j = np.triu_indices(len(theta), 1)
     hessian[i, j] = hessian[j, i] = np.where(np.isfinite(mixed), mixed, 0.0)
     eigenvalues, vectors = np.linalg.eigh(hessian)
     widths = 1 / np.sqrt(np.maximum(eigenvalues, WIDEST**-2))

@@ -18,6 +18,7 @@ from bayescal.arrays import LOG_2PI, Array, frozen
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
 from bayescal.density.joint_data import JointData
 from bayescal.density.robust_fits import LinearPixels
+from bayescal.inference.optimum import ascend
 from bayescal.prior.camera import PinholePrior
 
 MOST_STEPS = 60
@@ -59,22 +60,20 @@ def laplace(
     geometry: PinholeGeometry, prior: PinholePrior, data: JointData, start: Array, tau: float
 ) -> Normal:
     """Climb the posterior at a strength `tau`, from free coordinates ``(dimension,)``."""
-    free = start
-    value, _, _ = _state(geometry, prior, data, free, tau)
-    for _ in range(MOST_STEPS):
-        _, slope, precision = _state(geometry, prior, data, free, tau)
-        step = np.linalg.solve(precision, slope)
-        moved, gain = free, 0.0
-        for halving in range(HALVINGS):
-            trial = free + step * 0.5**halving
-            found = _value(geometry, prior, data, trial, tau)
-            if found > value:
-                moved, gain, value = trial, found - value, found
-                break
-        free = moved
-        if gain < SETTLED:
-            break
-    _, _, precision = _state(geometry, prior, data, free, tau)
+
+    def step(free: Array) -> Array:
+        slope, precision = _slope(geometry, prior, data, free, tau)
+        return np.linalg.solve(precision, slope)
+
+    free, _ = ascend(
+        lambda free: _value(geometry, prior, data, free, tau),
+        step,
+        start,
+        most=MOST_STEPS,
+        halvings=HALVINGS,
+        settled=SETTLED,
+    )
+    _, precision = _slope(geometry, prior, data, free, tau)
     return Normal(frozen(free), frozen(_root_of_inverse(precision)))
 
 
@@ -117,10 +116,10 @@ def _value(
     return value if math.isfinite(value) and bool((depth > 0).all()) else -math.inf
 
 
-def _state(
+def _slope(
     geometry: PinholeGeometry, prior: PinholePrior, data: JointData, free: Array, tau: float
-) -> tuple[float, Array, Array]:
-    """Log posterior (but for constants), its slope and Gauss-Newton's precision."""
+) -> tuple[Array, Array]:
+    """Slope of the log posterior, and Gauss-Newton's precision."""
     theta = geometry.full(np.concatenate([free[None], free + STEP * 1j * np.eye(len(free))]))
     pixels, slopes = geometry.project_with_jacobian(free)
     residual = (data.pixels - pixels) / data.deviations
@@ -132,11 +131,7 @@ def _state(
     prior_jacobian = z[1:].imag / STEP
     misfit = (residual / sigma).ravel()
     slope = jacobian @ misfit - prior_jacobian @ z[0].real + tilt[1:].imag / STEP
-    precision = jacobian @ jacobian.T + prior_jacobian @ prior_jacobian.T
-    value = (
-        data.bounded_log_likelihood(rss) - float(z[0].real @ z[0].real) / 2 + float(tilt[0].real)
-    )
-    return value, slope, precision
+    return slope, jacobian @ jacobian.T + prior_jacobian @ prior_jacobian.T
 
 
 def _prior_residuals(
