@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import numpy as np
 
@@ -49,7 +49,7 @@ class ParameterSummary:
     mean: float
     sd: float
     interval: tuple[float, float]
-    interval_probability: float
+    interval_probability: ClassVar[float] = INTERVAL_PROBABILITY
     mcse_mean: float
     ess_bulk: float
     ess_tail: float
@@ -57,6 +57,11 @@ class ParameterSummary:
     exact_mean: float | None = None
     exact_sd: float | None = None
     deviation: float | None = None
+
+    @property
+    def ess(self) -> float:
+        """The smaller of bulk and tail effective sample size."""
+        return min(self.ess_bulk, self.ess_tail)
 
 
 class Posterior(Protocol):
@@ -218,7 +223,6 @@ def summarise(names: tuple[str, ...], chain: Chain) -> tuple[ParameterSummary, .
             float(means[j]),
             float(sds[j]),
             (float(lower[j]), float(upper[j])),
-            INTERVAL_PROBABILITY,
             float(sds[j] / np.sqrt(found.ess_mean)),
             found.ess_bulk,
             found.ess_tail,

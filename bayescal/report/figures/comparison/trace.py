@@ -95,7 +95,7 @@ def alt_text(subject: Subject) -> str:
         for j in range(size)
     )
     rhat = max(p.rhat for p in posterior.parameters)
-    ess = min(min(p.ess_bulk, p.ess_tail) for p in posterior.parameters)
+    ess = min(p.ess for p in posterior.parameters)
     return (
         f"Traces and ranks of {chains} chains of {length} draws, {subject.title}: ranks differ "
         f"from uniform by at most {worst:.2f} (band {_bound(chains, length):.2f}); largest R-hat "

@@ -128,12 +128,11 @@ def parameters_table(model: JointModel, grouped: GroupedErrors | None = None) ->
     ]
     cells = []
     for p in model.posterior.parameters:
-        ess = min(p.ess_bulk, p.ess_tail)
         cells.append(
             (
                 *_summary_cells(p.name, p.mean, p.sd, p.interval, grouped),
                 Cell(significant(p.mcse_mean, 1), p.mcse_mean),
-                Cell(f"{ess:.0f}", ess),
+                Cell(f"{p.ess:.0f}", p.ess),
                 Cell(f"{p.rhat:.3f}", p.rhat),
             )
         )

@@ -134,6 +134,6 @@ def sampling_words(found: FamilyComparison) -> str:
     return (
         f"emcee, {len(sampled)} model{'s' * (len(sampled) > 1)}, seed {found.settings.seed}: "
         f"acceptance at least {min(s.chain.acceptance for s in sampled):.2f}, ESS at least "
-        f"{min(min(p.ess_bulk, p.ess_tail) for p in parameters):.0f}, R-hat at most "
+        f"{min(p.ess for p in parameters):.0f}, R-hat at most "
         f"{max(p.rhat for p in parameters):.3f}."
     )

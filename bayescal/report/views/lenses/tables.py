@@ -88,7 +88,7 @@ def parameters_table(found: LensComparison) -> Table:
                 Cell(significant(p.sd), p.sd),
                 Cell(interval),
                 Cell(amplitudes.get(p.name, "")),
-                Cell(f"{min(p.ess_bulk, p.ess_tail):.0f}"),
+                Cell(f"{p.ess:.0f}"),
                 Cell(f"{p.rhat:.3f}"),
             )
         )

@@ -65,7 +65,7 @@ def diagnostics_table(axis: AxisComparison) -> Table:
 def _row(result: OrderResult) -> list[Cell]:
     chain, parameters = result.posterior.chain, result.posterior.parameters
     draws = chain.draws.shape[0] * chain.draws.shape[1]
-    ess = min(min(p.ess_bulk, p.ess_tail) for p in parameters)
+    ess = min(p.ess for p in parameters)
     rhat = max(p.rhat for p in parameters)
     off = max((p.deviation for p in parameters if p.deviation is not None), default=None)
     return [
@@ -84,7 +84,7 @@ def sampling_words(comparison: Comparison) -> str:
     results = [r for axis in comparison.axes.values() for r in axis.orders]
     chains = [r.posterior.chain for r in results]
     parameters = [p for r in results for p in r.posterior.parameters]
-    ess = min(min(p.ess_bulk, p.ess_tail) for p in parameters)
+    ess = min(p.ess for p in parameters)
     return (
         f"emcee, {len(results)} model{'s' * (len(results) > 1)}, seed {comparison.seed}: "
         f"acceptance at least {min(c.acceptance for c in chains):.2f}, autocorrelation time at "

@@ -105,9 +105,8 @@ def coefficients_table(axis: AxisComparison, result: OrderResult, *, full: bool 
             cells += [Cell(f"{v:.0f}", v) for v in (p.ess_bulk, p.ess_tail)]
         else:
             fitted = float(result.fit.coefficients[j]) if j <= result.order else None
-            ess = min(p.ess_bulk, p.ess_tail)
             first = number_cell(fitted, partial(rounded, uncertainty=sd))
-            cells = [first, *cells, Cell(f"{ess:.0f}", ess)]
+            cells = [first, *cells, Cell(f"{p.ess:.0f}", p.ess)]
         rows.append((Cell(_unitless(p.name), j), *cells, Cell(f"{p.rhat:.3f}", p.rhat)))
     head = Column(f"order {result.order}, {_unit(axis)}")
     spare = ("least sq.", "MCSE", "ESS", "ESS bulk")
