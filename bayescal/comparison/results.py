@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison.criteria.goodness import ReferenceSigma
-from bayescal.comparison.faces.face import ByAxis, Recommends
+from bayescal.comparison.faces.face import ByAxis, Lists, Recommends
 from bayescal.comparison.faces.frames import orders_frame
 from bayescal.comparison.findings.surroundings import another_model
 from bayescal.comparison.orders.averaging import AveragedPrediction
@@ -32,7 +31,7 @@ if TYPE_CHECKING:  # a plain comparison does not pay for the defence
 
 
 @dataclass(frozen=True, eq=False)
-class AxisComparison(Recommends):
+class AxisComparison(Recommends, Lists[int, OrderResult]):
     """The orders of one axis, compared.
 
     Attributes
@@ -73,25 +72,15 @@ class AxisComparison(Recommends):
     noise_model: NoiseModel = GAUSSIAN
     averaged: AveragedPrediction | None = None
 
-    def __iter__(self) -> Iterator[OrderResult]:
-        return iter(self.orders)
+    absent = "order {0} was not compared; orders: {1}"
 
-    def __len__(self) -> int:
-        return len(self.orders)
-
-    def __contains__(self, order: object) -> bool:
-        return order in self.orders or order in {result.order for result in self.orders}
+    def named(self) -> list[tuple[int, OrderResult]]:
+        """List the orders."""
+        return [(result.order, result) for result in self.orders]
 
     def to_dataframe(self) -> pd.DataFrame:
         """Orders in a data frame of pandas, a row each."""
         return orders_frame((self.data.axis, found) for found in self)
-
-    def __getitem__(self, order: int) -> OrderResult:
-        for result in self.orders:
-            if result.order == order:
-                return result
-        compared = ", ".join(str(r.order) for r in self.orders)
-        raise KeyError(f"order {order} was not compared; orders: {compared}")
 
     @property
     def chosen(self) -> OrderResult:

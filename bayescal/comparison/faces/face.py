@@ -3,13 +3,44 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from bayescal.comparison.faces.convert import Converts
 
 if TYPE_CHECKING:  # pandas is imported where somebody asks for it
     import pandas as pd
+
+
+Name = TypeVar("Name")
+Item = TypeVar("Item")
+
+
+class Lists(ABC, Generic[Name, Item]):
+    """A result that iterates over its parts and finds them by their names."""
+
+    # Said of a name that none has, {0}, among those that there are, {1}.
+    absent: ClassVar[str]
+
+    @abstractmethod
+    def named(self) -> Sequence[tuple[Name, Item]]:
+        """List the parts with their names."""
+
+    def __iter__(self) -> Iterator[Item]:
+        return iter([item for _, item in self.named()])
+
+    def __len__(self) -> int:
+        return len(self.named())
+
+    def __contains__(self, name: object) -> bool:
+        return any(name == own or name is item for own, item in self.named())
+
+    def __getitem__(self, name: Name) -> Item:
+        for own, item in self.named():
+            if own == name:
+                return item
+        names = ", ".join(str(own) for own, _ in self.named())
+        raise KeyError(self.absent.format(name, names))
 
 
 class Recommends(ABC):
@@ -36,7 +67,7 @@ class Recommends(ABC):
 Axis = TypeVar("Axis", bound=Recommends)
 
 
-class ByAxis(Generic[Axis]):
+class ByAxis(Lists[str, Axis]):
     """A result axis by axis.
 
     Attributes
@@ -45,23 +76,12 @@ class ByAxis(Generic[Axis]):
         ``"r"`` and ``"c"``, or ``"y"`` for a generic problem.
     """
 
+    absent = "axis {0!r} was not looked at; axes: {1}"
     axes: dict[str, Axis]
 
-    def __iter__(self) -> Iterator[Axis]:
-        return iter(self.axes.values())
-
-    def __len__(self) -> int:
-        return len(self.axes)
-
-    def __contains__(self, axis: object) -> bool:
-        return axis in self.axes
-
-    def __getitem__(self, axis: str) -> Axis:
-        try:
-            return self.axes[axis]
-        except KeyError:
-            names = ", ".join(self.axes)
-            raise KeyError(f"axis {axis!r} was not looked at; axes: {names}") from None
+    def named(self) -> list[tuple[str, Axis]]:
+        """List the axes."""
+        return list(self.axes.items())
 
     def summary(self) -> pd.DataFrame:
         """Parameters of each axis's recommended model in a data frame of pandas."""

@@ -17,8 +17,6 @@ OrderResult: TypeAlias = Any
 
 def orders_frame(orders: Iterable[tuple[str, OrderResult]]) -> pd.DataFrame:
     """Make a data frame with a row per axis and order; what is unavailable is NaN."""
-    import pandas as pd
-
     rows = [
         {
             "axis": axis,
@@ -36,13 +34,11 @@ def orders_frame(orders: Iterable[tuple[str, OrderResult]]) -> pd.DataFrame:
         }
         for axis, found in orders
     ]
-    return pd.DataFrame(rows).set_index(["axis", "order"]).infer_objects()
+    return _indexed(rows, "axis", "order").infer_objects()
 
 
 def models_frame(models: Iterable[Any]) -> pd.DataFrame:
     """Make a data frame with a row per joint model; what can't be had is NaN."""
-    import pandas as pd
-
     rows = [
         {
             "model": str(found.key),
@@ -60,13 +56,11 @@ def models_frame(models: Iterable[Any]) -> pd.DataFrame:
         }
         for found in models
     ]
-    return pd.DataFrame(rows).set_index("model").infer_objects()
+    return _indexed(rows, "model").infer_objects()
 
 
 def lenses_frame(lenses: Iterable[Any]) -> pd.DataFrame:
     """Make a data frame with a row per lens; what can't be had is NaN."""
-    import pandas as pd
-
     rows = [
         {
             "lens": found.name,
@@ -84,25 +78,21 @@ def lenses_frame(lenses: Iterable[Any]) -> pd.DataFrame:
         }
         for found in lenses
     ]
-    return pd.DataFrame(rows).set_index("lens").infer_objects()
+    return _indexed(rows, "lens").infer_objects()
 
 
 def bad_points_frame(axes: Iterable[Any]) -> pd.DataFrame:
     """Make a data frame with a row per axis and point, the most suspicious first."""
-    import pandas as pd
-
     rows = [
         {"axis": axis.data.axis, "point": p.label, **asdict(p)}
         for axis in axes
         for p in axis.points
     ]
-    return pd.DataFrame(rows).drop(columns="label").set_index(["axis", "point"])
+    return _indexed(rows, "axis", "point").drop(columns="label")
 
 
 def treatments_frame(axes: Iterable[Any]) -> pd.DataFrame:
     """Make a data frame with a row per axis, treatment of bad points, and order."""
-    import pandas as pd
-
     rows = [
         {
             "axis": axis.data.axis,
@@ -118,4 +108,10 @@ def treatments_frame(axes: Iterable[Any]) -> pd.DataFrame:
         for treatment in axis.treatments
         for judged in treatment.orders
     ]
-    return pd.DataFrame(rows).set_index(["axis", "treatment", "order"])
+    return _indexed(rows, "axis", "treatment", "order")
+
+
+def _indexed(rows: list[dict[str, Any]], *names: str) -> pd.DataFrame:
+    import pandas as pd
+
+    return pd.DataFrame(rows).set_index(list(names))

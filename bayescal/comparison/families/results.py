@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.faces.face import Recommends
+from bayescal.comparison.faces.face import Lists, Recommends
 from bayescal.comparison.faces.frames import models_frame
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.result import JointModel
@@ -62,7 +61,7 @@ class FamilyDefence:
 
 
 @dataclass(frozen=True, eq=False)
-class FamilyComparison(Recommends):
+class FamilyComparison(Recommends, Lists[str, JointModel]):
     """Families, orders and treatments of the position, compared on the joint data.
 
     Attributes
@@ -118,14 +117,11 @@ class FamilyComparison(Recommends):
         """Whether all draws met the stopping rule."""
         return all(m.sound for m in self.models)
 
-    def __iter__(self) -> Iterator[JointModel]:
-        return iter(self.models)
+    absent = "{0!r} was not compared; compared: {1}"
 
-    def __len__(self) -> int:
-        return len(self.models)
-
-    def __contains__(self, name: object) -> bool:
-        return any(str(model.key) == name for model in self.models)
+    def named(self) -> list[tuple[str, JointModel]]:
+        """List the models."""
+        return [(str(model.key), model) for model in self.models]
 
     def to_dataframe(self) -> pd.DataFrame:
         """Models in a data frame of pandas, a row each, the most probable first."""
@@ -135,12 +131,6 @@ class FamilyComparison(Recommends):
     def chosen(self) -> JointModel:
         """The most probable model, whose posterior is handed on."""
         return self.best
-
-    def __getitem__(self, name: str) -> JointModel:
-        for model in self.models:
-            if str(model.key) == name:
-                return model
-        raise KeyError(f"{name!r} was not compared; compared: {[str(m.key) for m in self.models]}")
 
     def __repr__(self) -> str:
         return f"<FamilyComparison: {self.verdict.text}>"

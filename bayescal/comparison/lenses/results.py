@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -17,6 +17,7 @@ from bayescal.calibration.judging.judge import LensEvidence, Setting
 from bayescal.calibration.model.error_model import ErrorModel
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.comparison.faces import convert
+from bayescal.comparison.faces.face import Lists
 from bayescal.comparison.faces.frames import lenses_frame
 from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
@@ -203,7 +204,7 @@ class Evidenced:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class LensComparison(Evidenced, convert.Converts):
+class LensComparison(Evidenced, convert.Converts, Lists[str, JudgedLens]):
     """Lens models compared over many views of a target.
 
     Attributes
@@ -233,14 +234,11 @@ class LensComparison(Evidenced, convert.Converts):
         """Whether draws converged and evidences can be trusted, as far as they matter."""
         return self.posterior.converged and all(j.sound for j in self.plausible)
 
-    def __iter__(self) -> Iterator[JudgedLens]:
-        return iter(self.lenses)
+    absent = "{0!r} was not compared; compared: {1}"
 
-    def __len__(self) -> int:
-        return len(self.lenses)
-
-    def __contains__(self, name: object) -> bool:
-        return any(judged.name == name for judged in self.lenses)
+    def named(self) -> list[tuple[str, JudgedLens]]:
+        """List the lenses."""
+        return [(judged.name, judged) for judged in self.lenses]
 
     def to_dataframe(self) -> pd.DataFrame:
         """Lenses in a data frame of pandas, a row each, the most probable first."""
@@ -254,12 +252,6 @@ class LensComparison(Evidenced, convert.Converts):
     def held(self) -> convert.Held:
         """Give draws of the best lens; a view's density needs its pose integrated out."""
         return convert.Held(self.posterior.chain.draws, self.posterior.names, None, {})
-
-    def __getitem__(self, name: str) -> JudgedLens:
-        for judged in self.lenses:
-            if judged.name == name:
-                return judged
-        raise KeyError(f"{name!r} was not compared; compared: {[j.name for j in self.lenses]}")
 
     def _repr_html_(self) -> str:
         """Show the lenses in a notebook."""

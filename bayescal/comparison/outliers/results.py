@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from bayescal.comparison.faces.face import ByAxis, Recommends
+from bayescal.comparison.faces.face import ByAxis, Lists, Recommends
 from bayescal.comparison.faces.frames import bad_points_frame, treatments_frame
 from bayescal.comparison.finding import Finding
 from bayescal.comparison.orders.result import OrderResult
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class AxisOutliers(Recommends):
+class AxisOutliers(Recommends, Lists[str, PointRecord]):
     """Bad points of one axis, and what they do to the choice of the order.
 
     Attributes
@@ -62,20 +61,11 @@ class AxisOutliers(Recommends):
     shared: tuple[SharedError, ...]
     findings: tuple[Finding, ...] = ()
 
-    def __iter__(self) -> Iterator[PointRecord]:
-        return iter(self.points)
+    absent = "there is no point {0!r}"
 
-    def __len__(self) -> int:
-        return len(self.points)
-
-    def __contains__(self, label: object) -> bool:
-        return any(point.label == label for point in self.points)
-
-    def __getitem__(self, label: str) -> PointRecord:
-        for point in self.points:
-            if point.label == label:
-                return point
-        raise KeyError(f"there is no point {label!r}")
+    def named(self) -> list[tuple[str, PointRecord]]:
+        """List the points by their labels."""
+        return [(point.label, point) for point in self.points]
 
     def to_dataframe(self) -> pd.DataFrame:
         """Points in a data frame of pandas, a row each, the worst first."""
