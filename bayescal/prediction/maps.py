@@ -55,6 +55,21 @@ class ModelDifference:
         """Length of the shift, ``(n,)``, px."""
         return np.asarray(np.hypot(*self.shift.T))
 
+    def bound(self, i: int) -> str | None:
+        """How far a place can be moved at most (95%), px; None where the shift is known better.
+
+        A shift below its deviation is not known: only that it and two deviations are not exceeded.
+        """
+        size, sd = float(self.size[i]), float(self.sd[i])
+        return significant(size + 2 * sd) if sd > size else None
+
+    def told(self, i: int) -> str:
+        """How far a place is moved, px: with its deviation or a bound; empty where unseen."""
+        size, sd, bound = float(self.size[i]), float(self.sd[i]), self.bound(i)
+        if not np.isfinite(size):
+            return ""
+        return f"<{bound}" if bound else f"{rounded(size, sd)} ± {significant(sd)}"
+
 
 @dataclass(frozen=True, eq=False)
 class ImageMaps:
@@ -114,10 +129,11 @@ class ImageMaps:
             return f"{moved} {inside or 'nothing that both models see'}."
         worst = CORNERS + int(np.nanargmax(size))
         beyond = "" if places.inside[worst] else ", extrapolated"
-        by, sd = float(at.size[worst]), float(at.sd[worst])
+        known, bound = at.told(worst), at.bound(worst)
+        by = f"{known} px" if bound is None else f"up to {bound} px (95%)"
         return (
             f"{moved} the worst corner ({NAMES[worst].removesuffix(' corner')}{beyond}) by "
-            f"{rounded(by, sd)} ± {significant(sd)} px{', and ' if inside else ''}{inside}."
+            f"{by}{', and ' if inside else ''}{inside}."
         )
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
+from scipy import stats
 
 import bayescal as bc
 from bayescal.points.bundled import chessboard
-from bayescal.prediction.maps import FITTED, NAMES, image_maps
+from bayescal.prediction.maps import FITTED, NAMES, ModelDifference, image_maps
 from bayescal.prediction.sights import image_grid, sights
 
 
@@ -73,7 +74,17 @@ def test_the_worst_corner_is_worked_out_directly(camera, maps):
     assert one.sd[worst] == pytest.approx(np.std(left), rel=0.01)
     words = next(text for text in maps.sentences if "(5, 1)" in text)
     assert f"{NAMES[worst].removesuffix(' corner')}, extrapolated" in words
-    assert f"by {one.size[worst]:.0f} ± {one.sd[worst]:.0f} px" in words
+    assert one.sd[worst] > one.size[worst]
+    assert f"by up to {one.size[worst] + 2 * one.sd[worst]:.0f} px (95%)" in words
+
+
+def test_a_difference_below_its_deviation_is_said_by_its_bound():
+    """Truths: 5 px by Pythagoras; a normal of a mean up to its sd stays within 2 sd more at 95%."""
+    shift = np.array([[3.0, 4.0], [3.0, 4.0], [0.03, 0.04], [np.nan, np.nan]])
+    found = ModelDifference("a", "b", 0.2, shift, np.array([0.82, 47.0, 660.0, np.nan]))
+    assert [found.told(i) for i in range(4)] == ["5.00 ± 0.82", "<99", "<1300", ""]
+    for mean in (0.0, 0.5, 1.0):
+        assert stats.norm.cdf(2.0) - stats.norm.cdf(-2 * mean - 2) > 0.95
 
 
 def test_maps_of_a_lens_take_out_the_turn(lens_comparison):

@@ -13,7 +13,7 @@ from bayescal.prediction.maps import NAMES, ImageMaps, image_maps
 from bayescal.report.blocks import Blocks, Figure, Listing, Section, Tabled
 from bayescal.report.table import Cell, Column, Table
 from bayescal.report.views.prediction import models_words
-from bayescal.rounding import counted, rounded, significant
+from bayescal.rounding import counted, significant
 
 MOST = 3  # other models, in sentences and columns
 SD_CAPTION = (
@@ -65,7 +65,7 @@ def places_table(maps: ImageMaps) -> Table:
             rows.append((*where, *[Cell("")] * (len(columns) - 4), Cell("no inverse")))
             continue
         spreads = [at.epistemic[i], at.predictive[i], *[at.averaged[i]] * bool(others)]
-        moved = (f"{rounded(d.size[i], d.sd[i])} ± {significant(d.sd[i])}" for d in others)
+        moved = (d.told(i) for d in others)
         note = "" if at.places.inside[i] else "extrapolated"
         cells = (*(Cell(significant(float(v))) for v in spreads), *map(Cell, moved), Cell(note))
         rows.append((*where, *cells))
@@ -85,6 +85,10 @@ def _lines(maps: ImageMaps) -> list[str]:
             f"Among the calibration points ({share:.0f}% of the image) sd is {ends} px; elsewhere "
             "the model is extrapolated."
         )
+    at = maps.named
+    assert at is not None, "of the whole image"
+    if any(d.bound(i) for d in at.differences[:MOST] for i in range(len(NAMES))):
+        lines.append("<: a difference below its own deviation; it is at most so large (95%).")
     lines += maps.sentences[:MOST]
     more = len(maps.differences) - MOST
     return [*lines, f"And {counted(more, 'more plausible model')}."] if more > 0 else lines
