@@ -11,8 +11,8 @@ import numpy as np
 from scipy import stats
 
 from bayescal.arrays import Array
-from bayescal.fleets.record import Choice, Estimate, Record
-from bayescal.rounding import rounded, significant
+from bayescal.fleets.record import LENS, Choice, Estimate, Record
+from bayescal.rounding import percent, rounded, significant
 
 # Chance that anything at all is called odd in a fleet without odd cameras: half of it for scores,
 # half for models.
@@ -23,6 +23,7 @@ REACH = 9.0
 # Degrees of freedom of the scale per camera, so that LEVEL holds from 8 cameras on (by simulation).
 FREEDOM = 0.5
 SIGMA = "sigma"
+PIXELS = (SIGMA, "alpha", "beta", "fx", "fy", "cx", "cy")  # what is in px
 FAR = 40.0  # a score beyond which only that is said
 
 
@@ -172,10 +173,16 @@ def oddities(records: Mapping[str, Record], found: Sequence[Spread]) -> tuple[Od
     return tuple(sorted(out, key=lambda odd: (-odd.score, odd.camera, odd.of, odd.name)))
 
 
+def unit_of(name: str) -> str:
+    """Give the unit of a quantity, after a blank; nothing where it has none."""
+    return " px" if name.partition("_")[0] in PIXELS else ""
+
+
 def _far(spread: Spread, i: int) -> Oddity:
     value, score, scale = spread.values[i], abs(float(spread.scores[i])), spread.scale or 0.0
-    what = f"{spread.of}: {spread.name} {rounded(float(value), scale)}"
-    text = f"{what}, the fleet {rounded(spread.median, scale)} with sd {significant(scale)}"
+    what, unit = f"{spread.of}: {spread.name} {rounded(float(value), scale)}", unit_of(spread.name)
+    text = f"{what}{unit}, the fleet {rounded(spread.median, scale)}{unit}"
+    text += f" with sd {significant(scale)}{unit}"
     return Oddity(spread.cameras[i], spread.of, spread.name, score, text)
 
 
@@ -187,5 +194,6 @@ def _excluded(camera: str, choice: Choice, common: str, level: float) -> Oddity 
     if chance >= level:
         return None
     score = min(float(stats.norm.isf(max(chance, 1e-300) / 2)), FAR)
-    text = f"{choice.of}: {choice.model} in place of {common}, which it excludes ({chance:.1g})"
+    kind = "" if choice.of == LENS else "order "
+    text = f"{choice.of}: {kind}{choice.model}; {kind}{common}, the fleet's, has {percent(chance)}"
     return Oddity(camera, choice.of, "model", score, text)

@@ -116,7 +116,7 @@ def test_a_camera_that_is_off_is_found():
     records["noisy"] = Record(57, 0, True, (choice([0] * 8, sigma=5.0),))
     found = oddities(records, spreads(records))
     assert {(o.camera, o.name) for o in found} == {("off", "alpha_3"), ("noisy", "sigma")}
-    assert "alpha_3 12.00, the fleet 0." in next(o.text for o in found if o.camera == "off")
+    assert "alpha_3 12.00 px, the fleet 0." in next(o.text for o in found if o.camera == "off")
 
 
 def test_a_camera_that_is_merely_uncertain_is_not():
@@ -134,4 +134,5 @@ def test_the_common_model_excluded():
     records["other"], records["leaning"] = (Record(57, 0, True, (c,)) for c in (other, leaning))
     assert common_model([c for r in records.values() for c in r.choices]) == "1"
     (found,) = oddities(records, spreads(records))
-    assert (found.camera, found.text) == ("other", "r: 2 in place of 1, which it excludes (1e-06)")
+    assert found.camera == "other"
+    assert found.text == "r: order 2; order 1, the fleet's, has <0.1%"

@@ -7,14 +7,13 @@ from collections import Counter
 import numpy as np
 
 from bayescal.fleets.fleet import Fleet
-from bayescal.fleets.odd import FAR, FEWEST, LEVEL, SIGMA, Oddity, Spread, score_limit
+from bayescal.fleets.odd import FAR, FEWEST, LEVEL, Oddity, Spread, score_limit, unit_of
 from bayescal.fleets.record import LENS
 from bayescal.report.blocks import Blocks, Details, Listing, Part, Prose, Section, Tabled, listed
 from bayescal.report.table import Cell, Column, Table, number_cell
 from bayescal.rounding import counted, rounded, significant
 
 SHOWN = 20  # cameras of a list in a terminal
-PIXELS = (SIGMA, "alpha", "beta", "fx", "fy", "cx", "cy")  # what is in px
 REASONS = 2  # of each odd camera, the gravest; the table has all
 
 
@@ -104,7 +103,8 @@ def _row(s: Spread, limit: float) -> tuple[Cell, ...]:
     median, low, high = (Cell(rounded(v, unit), v) for v in values)
     far = int((np.abs(s.scores) > limit).sum())
     sds = [number_cell(v, lambda x: significant(x)) for v in (s.scale, own)]
-    name = f"{s.of}: {s.name}" + (", px" if s.name.partition("_")[0] in PIXELS else "")
+    unit_name = unit_of(s.name)
+    name = f"{s.of}: {s.name}{',' if unit_name else ''}{unit_name}"
     return (Cell(name), median, *sds, low, high, _count(far))
 
 
