@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import Any, NoReturn
 
 from bayescal.commands.shared.output import BAD_INPUT, DONE
-from bayescal.commands.shared.streams import discard, prepared
+from bayescal.commands.shared.streams import discard, prepared, say
 from bayescal.errors import BayescalError
 from bayescal.version import __version__
 
@@ -44,7 +44,8 @@ class _Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-\.?\d")
 
     def error(self, message: str) -> NoReturn:
-        self.exit(BAD_INPUT, f"{self.prog}: {_one_line(message)}; see {self.prog} --help\n")
+        say(f"{message}; see {self.prog} --help", self.prog)
+        self.exit(BAD_INPUT)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -74,23 +75,23 @@ def _answered(given: list[str]) -> int:
         finally:
             sys.stdout.flush()
     except BayescalError as error:
-        _say(str(error))
+        say(str(error))
         return BAD_INPUT
     except BrokenPipeError:  # the reader of a pipe has had enough
         discard(sys.stdout)
         return DONE
     except OSError as error:
         discard(sys.stdout)
-        _say(f"the output can't be written: {str(error.strerror or error).lower()}")
+        say(f"the output can't be written: {str(error.strerror or error).lower()}")
         return BAD_INPUT
     except MemoryError:
-        _say("there is not enough memory for this; give fewer points, orders or draws (--ess)")
+        say("there is not enough memory for this; give fewer points, orders or draws (--ess)")
         return BAD_INPUT
     except ImportError as error:
-        _say(f"{error}: a library can't be loaded; free memory, or install bayescal anew")
+        say(f"{error}: a library can't be loaded; free memory, or install bayescal anew")
         return BAD_INPUT
     except KeyboardInterrupt as stop:
-        _say(str(stop) or "interrupted; nothing was written")
+        say(str(stop) or "interrupted; nothing was written")
         return 130
 
 
@@ -103,7 +104,7 @@ def _run(given: list[str]) -> int:
         if len(rest) == 1 and getattr(options, name, "") is None and not _option(rest[0]):
             setattr(options, name, rest.pop())
     if rest:
-        parser.error(f"unrecognized arguments: {' '.join(rest)}")
+        options.refuse(f"unrecognized arguments: {' '.join(rest)}")
     import logging  # not needed by --help
 
     # Figures are drawn into files; what the environment would show windows with is of no use.
@@ -118,17 +119,6 @@ def _run(given: list[str]) -> int:
 
 def _option(word: str) -> bool:
     return word.startswith("-") and word != "-"
-
-
-def _say(message: str) -> None:
-    """Complain on standard error."""
-    print(f"bayescal: {_one_line(message)}", file=sys.stderr, flush=True)
-
-
-def _one_line(message: str) -> str:
-    """Fold white space, and drop what could command a terminal."""
-    folded = " ".join(message.split())
-    return "".join(c if c.isprintable() else "?" for c in folded)
 
 
 def make_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
@@ -150,5 +140,5 @@ def make_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
         module = import_module(f"bayescal.commands.{name}")
         command = commands.add_parser(name, help=told, description=module.DESCRIPTION)
         module.add_arguments(command)
-        command.set_defaults(run=module.run)
+        command.set_defaults(run=module.run, refuse=command.error)
     return parser

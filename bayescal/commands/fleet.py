@@ -11,6 +11,7 @@ from bayescal.commands.calibrate import add_lenses
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared import view_options
 from bayescal.commands.shared.output import DONE, NOT_SOUND, add_progress
+from bayescal.commands.shared.streams import say
 from bayescal.errors import InputError
 from bayescal.rounding import counted
 
@@ -175,5 +176,5 @@ def _code(found: Fleet) -> int:
         raise InputError(f"{first.error}; no camera could be judged")
     wrong = [f"{counted(len(found.failed), 'camera')} failed"] if found.failed else []
     wrong += [f"{counted(len(found.unsound), 'camera')} not sound"] if found.unsound else []
-    print(f"bayescal: {', '.join(wrong)} (exit code 3)", file=sys.stderr)
+    say(f"{', '.join(wrong)} (exit code 3)")
     return NOT_SOUND

@@ -149,7 +149,7 @@ def test_setups_that_can_not_be_used(
         (["--camera-position", "1e50", "1e50", "1e50"], "takes 1 distinct value,"),
         (["--setup", "."], "is a directory; give a TOML setup file"),
         (["--setup", "none.toml"], "none.toml: there is no such file"),
-        (["second.csv"], "unrecognized arguments: second.csv"),
+        (["second.csv"], "unrecognized arguments: second.csv; see bayescal compare --help"),
         (["--frobnicate\nloudly"], "unrecognized arguments: --frobnicate loudly"),
     ],
 )

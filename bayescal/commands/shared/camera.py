@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from bayescal.commands.shared.output import DONE
+from bayescal.commands.shared.streams import say
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
@@ -108,7 +109,7 @@ def read_rows(
     if table.problems and options.strict:
         raise InputError(table.problems[0])
     for line in bad_rows(table.problems):
-        print(f"bayescal: left out: {line}", file=sys.stderr)
+        say(f"left out: {line}")
     return table
 
 

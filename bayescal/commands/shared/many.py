@@ -5,11 +5,11 @@ from __future__ import annotations
 import argparse
 import contextlib
 import dataclasses
-import sys
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.streams import say
 
 if TYPE_CHECKING:
     from bayescal.points.chunks.many import ManyPoints
@@ -49,8 +49,7 @@ def say_many(options: argparse.Namespace, n: int) -> None:
     from bayescal.rounding import grouped
 
     if n > HELD and not options.quiet:
-        print(
-            f"bayescal: {grouped(n)} points, at all of which every draw looks: some minutes a "
-            "model for each hundred thousand of them",
-            file=sys.stderr,
+        say(
+            f"{grouped(n)} points, at all of which every draw looks: some minutes a model for each "
+            "hundred thousand of them"
         )

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bayescal.commands.shared.streams import say
 from bayescal.errors import InputError
 
 if TYPE_CHECKING:
@@ -168,9 +169,8 @@ def code_of(*, sound: bool) -> int:
     """Give the exit code of a result, and say why where it is not 0."""
     if sound:
         return DONE
-    print(
-        "bayescal: some draws did not converge or disagree with the closed form, or an evidence "
-        "should not be trusted (exit code 3)",
-        file=sys.stderr,
+    say(
+        "some draws did not converge or disagree with the closed form, or an evidence should not "
+        "be trusted (exit code 3)"
     )
     return NOT_SOUND

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from bayescal.commands.shared.streams import say
 from bayescal.errors import BayescalError
 
 
@@ -30,7 +30,7 @@ def resumable(options: argparse.Namespace) -> Iterator[Path | None]:
     folder = out.with_name(f"{out.name}.unfinished")
     if kept_in(folder):
         told = "holds models of an interrupted run: those of the same request are taken from it"
-        print(f"bayescal: {folder} {told}", file=sys.stderr)
+        say(f"{folder} {told}")
     try:
         yield folder
     except KeyboardInterrupt:

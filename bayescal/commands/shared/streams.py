@@ -5,9 +5,23 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import shutil
 import sys
+import textwrap
 from collections.abc import Iterator
 from typing import Any, TextIO
+
+NARROW = 20  # columns below which nothing is folded any more
+
+
+def say(message: str, who: str = "bayescal") -> None:
+    """Say something on standard error: a line, between words folded where a terminal is narrow."""
+    folded = " ".join(f"{who}: {message}".split())
+    line = "".join(c if c.isprintable() else "?" for c in folded)  # nothing commands a terminal
+    if sys.stderr.isatty():
+        width = max(shutil.get_terminal_size().columns, NARROW)
+        line = textwrap.fill(line, width - 1, break_long_words=False, break_on_hyphens=False)
+    print(line, file=sys.stderr, flush=True)
 
 
 class Deaf:
