@@ -84,7 +84,12 @@ class Verdict(ABC):
     @property
     def not_excluded(self) -> str:
         """What else is plausible, in a few words; empty where nothing is."""
-        return f"{counted(len(self.plausible) - 1, 'other')} not excluded" if self.others else ""
+        first, *more = (str(name) for name in self.plausible[1:]) if self.others else [""]
+        if len(more) > 1:
+            first += f" and {counted(len(more), 'other')}"
+        elif more:
+            first += f" and {more[0]}"
+        return f"{first} not excluded" if first else ""
 
     def _open_briefly(self) -> str:
         """Say in a few words how matters stand where others are plausible."""

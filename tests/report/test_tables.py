@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from bayescal.report.terminal import WIDTH
+from bayescal.report.views.lenses.tables import SHOWN, lenses_table
 from tests.helpers.command import Finished, here
 from tests.helpers.points_files import HEADER, rows, text, write
 
@@ -158,3 +160,18 @@ def test_markup_in_a_name_is_only_a_name(tmp_path: Path) -> None:
     done = here("compare", write(tmp_path, text(ROWS), name), "--orders", "1", "--ess", "100")
     check(done)
     assert name in "".join(done.out.split())
+
+
+def test_lenses_that_the_first_table_leaves_out_stand_in_the_second(lens_comparison):
+    """Truth: all rows of both tables are the lenses, each once; the best one alone is marked."""
+    lenses = [
+        dataclasses.replace(lens_comparison.best, log_evidence=-float(i)) for i in range(SHOWN + 3)
+    ]
+    found = dataclasses.replace(lens_comparison, lenses=tuple(lenses))
+    first = lenses_table(found, found.lenses[:SHOWN])
+    rest = lenses_table(found, found.lenses[SHOWN:])
+    at = [column.head for column in first.columns].index("ln Z")
+    assert [float(row[at].value) for row in (*first.rows, *rest.rows)] == [
+        -float(i) for i in range(SHOWN + 3)
+    ]
+    assert (first.marked, rest.marked) == (0, None)

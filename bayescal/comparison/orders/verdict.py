@@ -94,7 +94,7 @@ class AxisVerdict(Verdict):
 
     @property
     def _named(self) -> str:
-        return f"{self._noun_of_others} {', '.join(map(str, self.plausible[1:]))}"
+        return f"{self._noun_of_others} {', '.join(map(str, sorted(self.plausible[1:])))}"
 
     def _open_briefly(self) -> str:
         if self.enough is not None and self.enough.enough:

@@ -27,7 +27,8 @@ def remembered(verdicts: Mapping[str, Verdict]) -> Part:
     ]
     against: dict[str, list[str]] = {}
     for name, verdict in verdicts.items():
-        for why in verdict.withheld or (*_open(verdict), *_limits(verdict)):
+        open_ = [verdict.not_excluded] if verdict.not_excluded else []
+        for why in verdict.withheld or (*open_, *_limits(verdict)):
             against.setdefault(why, []).append(name)
     reasons = [why + _of(names, len(verdicts)) for why, names in against.items()]
     findings = ordered(f for v in verdicts.values() for f in v.findings)
@@ -44,16 +45,6 @@ def _chance(verdict: Verdict) -> str:
     if verdict.compared == 1:
         return "(the only one compared)"
     return f"({percent(verdict.chances[0])})" if verdict.chances else ""
-
-
-def _open(verdict: Verdict) -> tuple[str, ...]:
-    """Say what is not excluded."""
-    if verdict.decided or len(verdict.plausible) < 2:
-        return ()
-    others = ", ".join(map(str, verdict.plausible[1:4]))
-    more = " and more" if len(verdict.plausible) > 4 else ""
-    noun = "order " if isinstance(verdict.plausible[1], int) else ""
-    return (f"{noun}{others}{more} not excluded",)
 
 
 def _limits(verdict: Verdict) -> tuple[str, ...]:

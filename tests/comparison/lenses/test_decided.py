@@ -53,6 +53,17 @@ def test_lenses_that_lack_the_shape_are_the_best_of_those_compared(wrong: LensCo
     assert "decided at" not in verdict.text
 
 
+def test_what_else_is_plausible_is_named_where_it_is_short(wrong: LensComparison) -> None:
+    def said(*names: str) -> str:
+        chances = tuple(1 / len(names) for _ in names)
+        return replace(wrong.verdict, plausible=names, chances=chances).not_excluded
+
+    assert said("a") == ""
+    assert said("a", "b") == "b not excluded"
+    assert said("a", "b", "c") == "b and c not excluded"
+    assert said("a", "b", "c", "d") == "b and 2 others not excluded"
+
+
 def test_every_outlet_says_the_same(wrong: LensComparison, tmp_path: Path) -> None:
     run, page = tmp_path / "run", tmp_path / "page.html"
     bc.save_run(wrong, run)

@@ -98,7 +98,8 @@ def _headline(axis: AxisComparison) -> str:
     name, verdict = axis.data.axis, axis.verdict
     if len(axis.orders) == 1:
         return f"{name}: only order {verdict.order} was compared"
-    order, others = f"{name}: order {verdict.order}", ", ".join(map(str, verdict.plausible[1:]))
+    order = f"{name}: order {verdict.order}"
+    others = ", ".join(map(str, sorted(verdict.plausible[1:])))
     if verdict.decided:
         return f"{order}, decided at {100 * PLAUSIBLE:.0f}%"
     if verdict.outcome == "suffices":

@@ -247,7 +247,7 @@ def _answers(found: FamilyComparison) -> tuple[Answer, Answer]:
     best, verdict = found.best.key, found.verdict
     order = f"({best.order})" if len(best.orders) > 1 else best.order
     x, y, z = found.best.position
-    where = f"at ({x:.4g}, {y:.4g}, {z:.4g}) it fits best"
+    where = f"at ({x:.4g}, {y:.4g}, {z:.4g}) world units it fits best"
     if len(verdict.positions) > 1:
         where += f"; {percent(verdict.positions[best.position])} over all models"
     return (

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from bayescal.comparison.criteria.leave_one_out import paired_difference
@@ -13,8 +15,8 @@ from bayescal.rounding import percent, rounded, significant
 SHOWN = 12  # lenses
 
 
-def lenses_table(found: LensComparison, most: int) -> Table:
-    """Table of a row per lens, the `most` probable ones."""
+def lenses_table(found: LensComparison, lenses: Sequence[JudgedLens]) -> Table:
+    """Table of a row per lens, of some of those compared."""
     known = found.setting.level.sigma is not None
     columns = [
         Column("lens", "what maps a ray to a pixel"),
@@ -37,7 +39,7 @@ def lenses_table(found: LensComparison, most: int) -> Table:
     ]
     least = min(j.bic for j in found.lenses)
     rows = []
-    for judged in found.lenses[:most]:
+    for judged in lenses:
         lost = judged.loo
         gap = ""
         if lost is not None and found.best.loo is not None and judged is not found.best:
@@ -59,7 +61,8 @@ def lenses_table(found: LensComparison, most: int) -> Table:
                 number_cell(judged.difference, _small),
             )
         )
-    return Table(tuple(columns), tuple(rows), 0, True, ("elpd", "order", "image"))
+    marked = 0 if found.best in lenses[:1] else None
+    return Table(tuple(columns), tuple(rows), marked, True, ("elpd", "order", "image"))
 
 
 def _error(value: float) -> str:

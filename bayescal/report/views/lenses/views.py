@@ -76,8 +76,9 @@ def brief(found: LensComparison) -> Blocks:
 
 def lenses(found: LensComparison) -> Tabled:
     """Show the most probable lenses."""
-    caption, notes = "Lens models, the most probable first.", tuple(lens_footnotes(found))
-    return Tabled("lenses", caption, lenses_table(found, SHOWN), notes, columns_words())
+    caption = "Lens models, the most probable first."
+    shown = lenses_table(found, found.lenses[:SHOWN])
+    return Tabled("lenses", caption, shown, tuple(lens_footnotes(found)), columns_words())
 
 
 def parameters(found: LensComparison) -> Tabled:
@@ -122,10 +123,10 @@ def lenses_section(found: LensComparison) -> Section:
     blocks: list[Block] = [lenses(found)]
     if len(found) > 1:
         blocks = [_figure(found, "evidence"), *blocks, _figure(found, "models")]
-    if len(found.lenses) > SHOWN:
-        every = lenses_table(found, len(found.lenses))
-        table = Tabled("lenses-all", "Every lens compared.", every)
-        blocks.append(Details("Every lens compared", (table,)))
+    if len(found) > SHOWN:
+        rest = lenses_table(found, found.lenses[SHOWN:])
+        title = "The other lenses compared"
+        blocks.append(Details(title, (Tabled("lenses-rest", f"{title}.", rest),)))
     lead = "The same views by each lens, the poses integrated out."
     return Section("lenses", "Lens models", lead, tuple(blocks))
 

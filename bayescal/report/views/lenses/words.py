@@ -119,7 +119,7 @@ def lens_footnotes(found: LensComparison) -> list[str]:
         lines.append(f"Not possible, some point can't be seen: {', '.join(found.impossible)}.")
     if len(found.lenses) > SHOWN:
         rest = ", ".join(j.name for j in found.lenses[SHOWN:])
-        lines.append(f"Less probable, not shown: {rest} (--json has them).")
+        lines.append(f"Less probable: {rest} (in numbers in the report and in --json).")
     return lines
 
 
