@@ -108,6 +108,26 @@ def test_paper_shows_what_the_screen_folds_away(browser: Browser, thesis_page: P
         assert hidden.is_visible()
 
 
+def test_paper_sets_what_is_folded_away_side_by_side(browser: Browser, thesis_page: Path):
+    """Curves of orders that are not excluded two a line, a covariance beside its coefficients."""
+    with opened(browser, thesis_page, 642) as page:  # 170 mm
+        page.emulate_media(media="print")
+
+        def box(place: str) -> dict[str, float]:
+            found = page.locator(place).bounding_box()
+            assert found is not None, place
+            return dict(found)
+
+        for left, right in (
+            ("#figure-curve-c-2 img", "#figure-curve-c-4 img"),
+            ("#coefficients-r-1", "#covariance-r-1"),
+        ):
+            one, other = box(left), box(right)
+            assert one["y"] == other["y"]
+            assert one["x"] + one["width"] <= other["x"]
+            assert other["x"] + other["width"] <= 642
+
+
 def test_paper_cuts_no_table_off(browser: Browser, tmp_path: Path):
     """A covariance of 22 parameters, on A4 between the margins."""
     heads = tuple(Column(f"alpha_{i}") for i in range(23))
