@@ -11,7 +11,7 @@ from bayescal.errors import InputError
 
 DESCRIPTION = (
     "Compare two calibrations of one camera, such as before and after a knock: how far their "
-    "predictions lie apart over the image, and whether by more than both posteriors allow. "
+    "predictions lie apart over the image, and whether by more than noise allows. "
     "Lenses of many views are compared after the turn of one frame to the other, cameras with a "
     "place in the world with their place."
 )
@@ -42,12 +42,13 @@ def run(options: argparse.Namespace) -> int:
     first, second = (
         camera(given, average=options.average) for given in (options.first, options.second)
     )
+    names = options.first, options.second
     found = changed(first, second, seed=options.seed)
     publish_rows(
         options,
         change_columns(found),
-        lambda: change_document(first, second, found, options.command_line),
-        lambda: changed_view(first, second, found),
+        lambda: change_document(first, second, found, names, options.command_line),
+        lambda: changed_view(first, second, found, names),
     )
     if picture is not None:
         from bayescal.files import write_whole

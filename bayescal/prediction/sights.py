@@ -37,7 +37,11 @@ class Sights:
 
 def image_grid(camera: CalibratedCamera, columns: int = COLUMNS, rows: int = ROWS) -> Array:
     """Pixels over the image, ``(rows * columns, 2)``, px; over the points where it has no size."""
-    low, high = extent(camera)
+    return spread(*extent(camera), columns, rows)
+
+
+def spread(low: Array, high: Array, columns: int, rows: int) -> Array:
+    """Pixels over a rectangle from corner to corner, ``(rows * columns, 2)``, px."""
     r, c = np.meshgrid(np.linspace(low[0], high[0], columns), np.linspace(low[1], high[1], rows))
     return np.column_stack([r.ravel(), c.ravel()])
 

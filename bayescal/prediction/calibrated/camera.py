@@ -122,3 +122,34 @@ def normalised(weights: Sequence[float]) -> tuple[float, ...]:
     """Weights that sum to 1."""
     total = float(sum(weights))
     return tuple(float(w) / total for w in weights)
+
+
+def check_comparable(first: CalibratedCamera, second: CalibratedCamera) -> None:
+    """Refuse calibrations that can't be of one camera.
+
+    Raises
+    ------
+    InputError
+    """
+    for what, a, b in (
+        ("images of {} px", _size(first), _size(second)),
+        ("c counted from the {}", _end(first), _end(second)),
+        ("{}", _kind(first), _kind(second)),
+    ):
+        if a != b:
+            raise InputError(
+                f"these are not two calibrations of one camera: {what.format(a)} and "
+                f"{what.format(b)}"
+            )
+
+
+def _size(camera: CalibratedCamera) -> str:
+    return "unknown size" if camera.size is None else "{:g} by {:g}".format(*camera.size)
+
+
+def _end(camera: CalibratedCamera) -> str:
+    return "bottom" if camera.c_from_bottom else "top"
+
+
+def _kind(camera: CalibratedCamera) -> str:
+    return "a camera in the world" if camera.posed else "a lens of many views"

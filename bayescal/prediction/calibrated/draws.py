@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag, solve_triangular
 
 from bayescal.arrays import Array
 from bayescal.density.drawn import DrawnAxis
@@ -15,7 +17,7 @@ from bayescal.inference.weighting import WeightedDraws
 from bayescal.linear.closed_form import ExactPosterior
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.model import NoiseModel
-from bayescal.prediction.calibrated.members import KEPT, Parameters
+from bayescal.prediction.calibrated.members import KEPT, Estimate, Parameters
 from bayescal.prediction.calibrated.noise import NewNoise
 
 
@@ -33,6 +35,8 @@ class AxisDraws:
         Coordinates of the noise model, ``(n_draws, dimension)``.
     sd : Array or None
         The points' own deviations, ``(n_points,)``, px.
+    estimate : Estimate or None
+        Of the amplitudes by the data alone, where it has a closed form.
     """
 
     parameters: Parameters
@@ -40,6 +44,7 @@ class AxisDraws:
     eta: Array
     noise: NoiseModel
     sd: Array | None
+    estimate: Estimate | None = None
 
     @classmethod
     def of(cls, drawn: DrawnAxis) -> AxisDraws:
@@ -92,7 +97,24 @@ def _of_exact(
     exact: ExactPosterior, amplitudes: Array, log_sigma: Array, sd: Array | None
 ) -> AxisDraws:
     parameters = Parameters(exact.mean, exact.root, amplitudes, True)
-    return AxisDraws(parameters, log_sigma, np.empty((len(log_sigma), 0)), GAUSSIAN, sd)
+    none = np.empty((len(log_sigma), 0))
+    return AxisDraws(parameters, log_sigma, none, GAUSSIAN, sd, _estimate(exact))
+
+
+def _estimate(exact: ExactPosterior) -> Estimate:
+    """Least squares, which every order that is taken determines.
+
+    1 / sigma^2 has by its posterior a gamma distribution, or nearly so, whose mean and variance
+    say the noise and its degrees of freedom.
+    """
+    model = exact.model
+    inverse = solve_triangular(model.reduced.r, np.eye(model.size))
+    share, precision = exact.weights.sum(axis=0), exact.sigma**-2.0
+    mean = float(share @ precision)
+    variance = float(share @ (precision - mean) ** 2)
+    dof = 2 * mean**2 / variance if model.infers_sigma else np.inf
+    value = inverse @ model.reduced.qt
+    return Estimate(value, inverse / math.sqrt(mean), ((model.size, dof),))
 
 
 def _known(exact: ExactPosterior) -> float:
@@ -134,3 +156,26 @@ def joined(r: Parameters, c: Parameters) -> Parameters:
         np.concatenate([r.draws, c.draws], axis=1),
         r.exact and c.exact,
     )
+
+
+def joined_estimates(r: Estimate | None, c: Estimate | None) -> Estimate | None:
+    """Estimates of r and c, of independent noise, one after the other."""
+    if r is None or c is None:
+        return None
+    return Estimate(
+        np.concatenate([r.value, c.value]), block_diag(r.root, c.root), r.levels + c.levels
+    )
+
+
+def mapped(estimate: Estimate, coordinates: Callable[[Array], Array]) -> Estimate:
+    """Carry an estimate to other coordinates, by one-sd steps.
+
+    Parameters
+    ----------
+    coordinates : callable
+        The new ones, ``(m, d)``, of the old.
+    """
+    steps = np.concatenate([estimate.value + estimate.root.T, estimate.value - estimate.root.T])
+    up, down = np.split(coordinates(steps), 2)
+    value = coordinates(estimate.value[None])[0]
+    return Estimate(value, (up - down).T / 2, estimate.levels)

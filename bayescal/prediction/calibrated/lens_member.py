@@ -14,7 +14,14 @@ from bayescal.cameras.lenses import Lens, lens_named
 from bayescal.cameras.pose import rotations
 from bayescal.prediction.calibrated.alignment import absorbed_turns
 from bayescal.prediction.calibrated.hull import within
-from bayescal.prediction.calibrated.members import Ahead, BoolArray, Parameters, Rays, Solutions
+from bayescal.prediction.calibrated.members import (
+    Ahead,
+    BoolArray,
+    Estimate,
+    Parameters,
+    Rays,
+    Solutions,
+)
 from bayescal.prediction.calibrated.noise import NewNoise
 
 
@@ -47,6 +54,7 @@ class LensMember:
     hull: Array
     parameters: Parameters
     noise: NewNoise
+    estimate: Estimate | None = None
     linear: ClassVar[None] = None  # pixels are not, of the focal length and the pose
 
     @cached_property
@@ -161,6 +169,13 @@ class LensMember:
         turns = absorbed_turns(self.lens, *self.intrinsics(theta), rays, pixels)
         kept = Parameters.of_draws(np.concatenate([theta, turns], axis=1))
         return replace(self, turn=np.eye(3), parameters=kept)
+
+    def by_data(self, rng: np.random.Generator) -> LensMember:
+        """Take what the data alone say, where it is known; a frame that poses absorb is left."""
+        if self.estimate is None:
+            return self
+        turn = self.turn if self.posed else None
+        return replace(self, turn=turn, parameters=self.estimate.parameters(rng))
 
     def in_own_frame(self) -> LensMember:
         """Leave the turn out, where no pose fixes the frame."""

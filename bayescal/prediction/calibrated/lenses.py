@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.calibration.judging.averaging import ErrorAverage
-from bayescal.calibration.judging.laplace import degrees
+from bayescal.calibration.judging.laplace import UNTOLD, degrees
+from bayescal.calibration.model.lens_model import LensModel
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.prediction.calibrated.camera import CalibratedCamera, normalised
-from bayescal.prediction.calibrated.draws import thinned
+from bayescal.prediction.calibrated.draws import mapped, thinned
 from bayescal.prediction.calibrated.hull import hull_of
 from bayescal.prediction.calibrated.lens_member import LensMember
-from bayescal.prediction.calibrated.members import KEPT, Parameters
+from bayescal.prediction.calibrated.members import KEPT, Estimate, Parameters
 from bayescal.prediction.calibrated.noise import NewNoise
 
 ALIGNED = 100  # calibration pixels that fix the frame
+DETERMINED = 1e-10  # of the best determined direction: less is rounding
+SLIGHT = 0.01  # of the most probable error model's share: those below it are left out
 MOST = 4  # lenses kept of the plausible ones: each is drawn anew
 
 
@@ -31,9 +36,8 @@ def lens_camera(found: LensComparison) -> CalibratedCamera:
     members: list[LensMember] = []
     for judged, rng in zip(plausible, children, strict=True):
         theta = _lens_draws(found, judged, rng)
-        members.append(
-            lens_member(judged.name, theta, hull, _noise(found, judged, rng), seen, members[:1])
-        )
+        made = lens_member(judged.name, theta, hull, _noise(found, judged, rng), seen, members[:1])
+        members.append(replace(made, estimate=_estimate(found, judged)))
     weights = [judged.probability for judged in plausible]
     return CalibratedCamera(
         tuple(members),
@@ -84,8 +88,41 @@ def _lens_draws(found: LensComparison, judged: JudgedLens, rng: np.random.Genera
     """Draws of a lens as a member has them, ``(KEPT, d)``."""
     best = judged.name == found.best.name
     draws = found.draws if best else ErrorAverage(judged.evidence, found.setting).draws(rng, KEPT)
-    intrinsics, k, _ = judged.evidence.problem.model.physical(thinned(draws))
+    return _coordinates(judged.evidence.problem.model, thinned(draws))
+
+
+def _coordinates(model: LensModel, x: Array) -> Array:
+    """Parameters as a member has them, ``(m, d)``."""
+    intrinsics, k, _ = model.physical(x)
     return np.concatenate([np.log(intrinsics[:, :2]), intrinsics[:, 2:], k], axis=1)
+
+
+def _estimate(found: LensComparison, judged: JudgedLens) -> Estimate:
+    """Least squares under each error model by its probability, poses eliminated."""
+    setting, errors, best = found.setting, judged.evidence.errors, judged.evidence.problem
+    shares = np.array(errors.weights)
+    kept = np.flatnonzero(shares > SLIGHT * shares[0])
+    shares = shares[kept] / shares[kept].sum()
+    steps, roots, nu = [], [], degrees(setting.data)
+    for i in kept:
+        reduced = setting.under(best, errors.nodes[i]).reduced
+        unit = 1 / np.sqrt(np.maximum(np.diag(reduced.precision), UNTOLD))
+        values, vectors = np.linalg.eigh(reduced.precision * unit[:, None] * unit)
+        use = values > DETERMINED * values[-1]
+        basis = unit[:, None] * vectors[:, use] / np.sqrt(values[use])
+        told = basis.T @ reduced.slope
+        variance = (reduced.sum_of_squares - told @ told) / (nu - len(told))
+        if setting.level.sigma is not None:
+            variance = setting.level.sigma**2
+        steps.append(basis @ told)
+        roots.append(np.sqrt(variance) * basis)
+    mean = shares @ np.array(steps)
+    apart = np.array(steps) - mean
+    rows = [np.sqrt(p) * part.T for p, part in zip(shares, roots, strict=True)]
+    triangle = np.linalg.qr(np.concatenate([*rows, np.sqrt(shares)[:, None] * apart]), mode="r")
+    dof = np.inf if setting.level.sigma is not None else nu - len(mean)
+    own = Estimate(best.x + mean, triangle.T, ((len(triangle), dof),))
+    return mapped(own, partial(_coordinates, best.model))
 
 
 def _noise(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) -> NewNoise:

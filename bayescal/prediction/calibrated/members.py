@@ -57,6 +57,39 @@ class Parameters:
 
 
 @dataclass(frozen=True, eq=False)
+class Estimate:
+    """What the data alone say of a member's parameters: those of maximum likelihood.
+
+    No prior draws them anywhere, so that estimates of one camera differ by noise alone.
+
+    Attributes
+    ----------
+    value : Array
+        ``(d,)``.
+    root : Array
+        Root of the sampling covariance at the estimated noise, ``(d, q)``.
+    levels : tuple
+        Columns of the root that share a noise level, one after the other: how many, and the
+        degrees of freedom of its estimate, inf where it is known.
+    """
+
+    value: Array
+    root: Array
+    levels: tuple[tuple[int, float], ...]
+
+    def parameters(self, rng: np.random.Generator) -> Parameters:
+        """Give the posterior under a flat prior: Student's t about the value."""
+        moves = np.zeros((KEPT, len(self.value)))
+        at = 0
+        for columns, dof in self.levels:
+            wide = np.sqrt(dof / rng.chisquare(dof, KEPT)) if np.isfinite(dof) else np.ones(KEPT)
+            normal = rng.standard_normal((KEPT, columns))
+            moves += wide[:, None] * normal @ self.root[:, at : at + columns].T
+            at += columns
+        return Parameters.of_draws(self.value + moves)
+
+
+@dataclass(frozen=True, eq=False)
 class Moments:
     """Mean and deviation of one model's mapping, ``(n, 2)``, px, and which points it sees."""
 
@@ -136,6 +169,10 @@ class Member(Protocol):
     @property
     def noise(self) -> NewNoise: ...  # noqa: D102
     @property
+    def estimate(self) -> Estimate | None:
+        """What the data alone say; None where only draws of the posterior are at hand."""
+
+    @property
     def hull(self) -> Array: ...  # noqa: D102
     @property
     def posed(self) -> bool:
@@ -179,6 +216,9 @@ class Member(Protocol):
 
     def aligned(self, rays: Array, pixels: Array) -> Member:
         """Turn each draw to see rays ``(n, 3)`` closest to pixels, where no place fixes it."""
+
+    def by_data(self, rng: np.random.Generator) -> Member:
+        """Put draws under a flat prior in place of the posterior's, where there is an estimate."""
 
     def in_own_frame(self) -> Member:
         """Give it the frame of its own axis, as solvePnP has it, where no place fixes another."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from bayescal.arrays import Array
 from bayescal.prediction.calibrated.members import (
     Ahead,
     BoolArray,
+    Estimate,
     Member,
     Moments,
     Parameters,
@@ -43,6 +44,7 @@ class PolynomialMember(PolynomialMap):
     name: str
     parameters: Parameters
     noise: NewNoise
+    estimate: Estimate | None = None
 
     @property
     def posed(self) -> bool:
@@ -158,6 +160,12 @@ class PolynomialMember(PolynomialMap):
         """Pixels of directions, and whether the mapping turns nowhere before them."""
         scaled = self.scaled(directions[:, :2] / directions[:, 2:])
         return self.at_scaled(self._mean, scaled[None])[0], monotone(self, self._mean, scaled)
+
+    def by_data(self, rng: np.random.Generator) -> Member:
+        """Take what the data alone say, where it is known."""
+        if self.estimate is None:
+            return self
+        return replace(self, parameters=self.estimate.parameters(rng))
 
     def aligned(self, rays: Array, pixels: Array) -> Member:  # noqa: ARG002
         """Leave it: its place is known."""

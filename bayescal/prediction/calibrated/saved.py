@@ -18,7 +18,7 @@ from bayescal.files import write_whole
 from bayescal.points.tables.content import read_file
 from bayescal.polynomials.basis import Domain
 from bayescal.prediction.calibrated.camera import CalibratedCamera
-from bayescal.prediction.calibrated.members import Member, Parameters
+from bayescal.prediction.calibrated.members import Estimate, Member, Parameters
 from bayescal.prediction.calibrated.noise import NewNoise
 from bayescal.version import __version__
 
@@ -118,6 +118,10 @@ def _packed(member: Member, at: str, arrays: dict[str, Array]) -> dict[str, Any]
     if noise.neighbours is not None:
         arrays[f"{at}neighbours"] = noise.neighbours
     arrays[f"{at}hull"] = member.hull
+    if member.estimate is not None:
+        arrays[f"{at}estimate"] = member.estimate.value
+        arrays[f"{at}estimate_root"] = member.estimate.root
+        arrays[f"{at}estimate_levels"] = np.array(member.estimate.levels, dtype=np.float64)
     values: dict[str, Any] = {
         "name": member.name,
         "exact": kept.exact,
@@ -151,6 +155,14 @@ def _member(values: dict[str, Any], at: str, arrays: dict[str, Array]) -> Member
         **values["noise"],
         neighbours=arrays.get(f"{at}neighbours"),
     )
+    estimate = None
+    if f"{at}estimate" in arrays:
+        levels = arrays[f"{at}estimate_levels"].tolist()
+        estimate = Estimate(
+            arrays[f"{at}estimate"],
+            arrays[f"{at}estimate_root"],
+            tuple((int(columns), dof) for columns, dof in levels),
+        )
     if "lens" in values:
         from bayescal.prediction.calibrated.lens_member import LensMember
 
@@ -163,6 +175,7 @@ def _member(values: dict[str, Any], at: str, arrays: dict[str, Array]) -> Member
             arrays[f"{at}hull"],
             parameters,
             noise,
+            estimate,
         )
     from bayescal.prediction.calibrated.polynomial_member import PolynomialMember
 
@@ -177,6 +190,7 @@ def _member(values: dict[str, Any], at: str, arrays: dict[str, Array]) -> Member
         values["name"],
         parameters,
         noise,
+        estimate,
     )
 
 

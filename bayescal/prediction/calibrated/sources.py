@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -26,13 +26,15 @@ from bayescal.prediction.calibrated.draws import (
     AxisDraws,
     completed,
     joined,
+    joined_estimates,
+    mapped,
     new_noise,
     of_exact,
     of_posterior,
 )
 from bayescal.prediction.calibrated.hull import hull_of
 from bayescal.prediction.calibrated.lens_member import LensMember
-from bayescal.prediction.calibrated.members import Member, Parameters
+from bayescal.prediction.calibrated.members import Estimate, Member, Parameters
 from bayescal.prediction.calibrated.polynomial_member import PolynomialMember
 
 MOST = 12  # models kept of a pair of undecided axes
@@ -186,6 +188,7 @@ def _polynomial(
         name or f"{key.family} ({key.order})",
         parameters,
         new_noise(level, eta, axes[0].noise, (axes[0].sd, axes[1].sd)),
+        joined_estimates(*(axis.estimate for axis in axes)),
     )
 
 
@@ -195,16 +198,12 @@ def _pinhole(name: str, points: Correspondences, model: PinholeModel, full: Arra
     matrices = geometry.rotation(theta)
     u, _, vt = np.linalg.svd(matrices.mean(axis=0))
     turn = u @ vt
-    draws = np.concatenate(
-        [
-            theta[:, :4],
-            geometry.coefficients(theta),
-            rotation_vectors(matrices @ turn.T),
-            theta[:, 7:9],
-            -theta[:, 9:10],
-        ],
-        axis=1,
-    )
+
+    def coordinates(theta: Array) -> Array:
+        turned = rotation_vectors(geometry.rotation(theta) @ turn.T)
+        parts = [theta[:, :4], geometry.coefficients(theta), turned, theta[:, 7:9], -theta[:, 9:10]]
+        return np.concatenate(parts, axis=1)
+
     level = np.column_stack([log_sigma for log_sigma, _ in model.levels(full)])
     eta = np.stack([eta for _, eta in model.levels(full)], axis=1)
     options = {
@@ -219,9 +218,26 @@ def _pinhole(name: str, points: Correspondences, model: PinholeModel, full: Arra
         turn,
         np.array(geometry.centroid),
         np.empty((0, 2)),
-        Parameters.of_draws(draws),
+        Parameters.of_draws(coordinates(theta)),
         new_noise(level, eta, model.noise, model.data.sd),
+        _pinhole_estimate(model, lambda free: coordinates(geometry.full(free))),
     )
     # Of the predicted pixels: measured ones at the edge may lie inside by their noise.
     pixels, _ = member.project(member.parameters.mean[None], points.world)
     return replace(member, hull=hull_of(pixels[0]))
+
+
+def _pinhole_estimate(
+    model: PinholeModel, coordinates: Callable[[Array], Array]
+) -> Estimate | None:
+    """Maximum likelihood under Gaussian noise; of robust noise it is none."""
+    if not model.gaussian:
+        return None
+    fit, values = model.fit, 2 * model.data.n
+    inferred = any(level.value is None for level in model.data.levels)
+    dof = values - len(fit.free) if inferred else np.inf
+    # A level that is inferred is fitted to residuals that the parameters made smaller.
+    wider = values / dof if inferred else 1.0
+    spread, vectors = np.linalg.eigh(wider * fit.covariance)
+    root = vectors * np.sqrt(np.maximum(spread, 0.0))
+    return mapped(Estimate(fit.free, root, ((len(fit.free), dof),)), coordinates)

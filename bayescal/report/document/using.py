@@ -91,13 +91,20 @@ def _pose(found: TargetPose) -> dict[str, Any]:
 
 
 def change_document(
-    first: CalibratedCamera, second: CalibratedCamera, found: Change, command: str
+    first: CalibratedCamera,
+    second: CalibratedCamera,
+    found: Change,
+    names: tuple[str, str],
+    command: str,
 ) -> str:
-    """Write how two calibrations differ as a JSON document."""
+    """Write how two calibrations, of runs or files so named, differ as a JSON document."""
     own, other = (camera_facts(CHANGE, camera, command) for camera in (first, second))
     then = {key: other[key] for key in ("calibration", "models", "averaged", "covered")}
     facts = {
+        "compared": list(names),
         "p_value": found.p_value,
+        "tested_models": list(found.tested),
+        "by_data_alone": found.by_data,
         "changed": found.changed,
         "rms_px": found.rms,
         "bound_px": found.bound,

@@ -11,11 +11,19 @@ from bayescal.report.views.prediction import models_words
 from bayescal.rounding import rounded, significant
 
 
-def changed_view(first: CalibratedCamera, second: CalibratedCamera, found: Change) -> Blocks:
-    """Show the change at named places, and whether it is one."""
+def changed_view(
+    first: CalibratedCamera, second: CalibratedCamera, found: Change, names: tuple[str, str]
+) -> Blocks:
+    """Show the change at named places, and whether it is one.
+
+    Parameters
+    ----------
+    names : tuple of str
+        The runs or files that the cameras come from.
+    """
     about = tuple(
-        f"{name}: {camera.source}, {models_words(camera)}"
-        for name, camera in (("first", first), ("second", second))
+        f"{which}: {name} (of {camera.source}), {models_words(camera)}"
+        for which, name, camera in zip(("first", "second"), names, (first, second), strict=True)
     )
     return (
         Listing(about, "about"),
@@ -50,6 +58,28 @@ def _lines(found: Change) -> list[str]:
     )
     return [
         f"{frame} sd: of each of r and c of the change, both calibrations' uncertainty.",
-        "p: how often two calibrations of one camera would differ so much where both were "
-        "calibrated, by the draws of both posteriors.",
+        f"p: how often two calibrations of one camera would differ so much where both were "
+        f"calibrated, by {_basis(found)}.",
+        *_apart(found),
+    ]
+
+
+def _basis(found: Change) -> str:
+    """Say what p is of."""
+    model = " and ".join(dict.fromkeys(found.tested))
+    if found.by_data:
+        return f"what the points alone say of {model}, without the prior"
+    return (
+        f"the draws of both posteriors of {model}; what the prior says is in both, so that p is "
+        "rather too large"
+    )
+
+
+def _apart(found: Change) -> list[str]:
+    """Say where the calibrations share no model."""
+    if found.tested[0] == found.tested[1]:
+        return []
+    return [
+        "No model is plausible by both calibrations: what these two models differ by counts as a "
+        "change."
     ]
