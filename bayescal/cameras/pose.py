@@ -58,8 +58,3 @@ def left_jacobian(vectors: Array) -> Array:
     third = np.where(angle < _SMALL, series, (some - np.sin(some)) / some**3)
     cross = cross_matrices(vectors)
     return np.asarray(np.eye(3) + half**2 / 2 * cross + third * (cross @ cross))
-
-
-def turned(steps: Array, vectors: Array) -> Array:
-    """Rotation vectors of exp([d]x) R, ``(..., 3)``: steps d made on the camera's side."""
-    return rotation_vectors(rotations(steps) @ rotations(vectors))

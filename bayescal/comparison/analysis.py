@@ -133,16 +133,13 @@ def _compare(
     axis.check_resolved()
     data, shape = axis.data, axis.shape
     reference = NO_REFERENCE
-    if shape.name == GAUSSIAN.name:
+    if shape.conjugate:
         replicates = pure_error(data.x, around.other, data.t, data.sd)
         reference = reference_sigma(axis.noise, axis.fit(axis.highest), replicates)
     candidates = [order_of(axis, k, shape, reference) for k in orders]
     results = judge_all(candidates, store, settings, partial(_tell, progress))
-    tests = (
-        _tests(axis, best_of(results), around, store, settings)
-        if shape.name == GAUSSIAN.name
-        else ()
-    )
+    best = best_of(results)
+    tests = _tests(axis, best, around, store, settings) if shape.conjugate else ()
     case = Case(axis, results, shape, reference, tests, around.geometry)
     verdict = _verdict(case, settings)
     averaged = averaged_over(axis, results, verdict.order)
@@ -203,7 +200,7 @@ def _defended(
         argue(verdict, defence, criteria, axis.data.size), plain.chosen, defence.noises
     )
     # Stated errors of world coordinates need no hint of what they are worth.
-    camera = around.camera if axis.data.x_sd is None and shape.name == GAUSSIAN.name else None
+    camera = around.camera if axis.data.x_sd is None and shape.conjugate else None
     units = () if camera is None else world_units(axis.data, plain.chosen.fit, camera)
     return replace(plain, verdict=argued, defence=defence, world_units=units)
 

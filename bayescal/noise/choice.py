@@ -51,7 +51,7 @@ class NoiseChoice:
     @property
     def robust(self) -> bool:
         """Whether there is no closed form, so that the evidence is sampled."""
-        return self.name != "gaussian"
+        return not NOISE_MODELS[self.name].conjugate
 
     def model(self, pixel: float) -> NoiseModel:
         """Make the noise model.

@@ -22,6 +22,7 @@ class Gaussian:
     options: ClassVar[tuple[str, ...]] = ()
     columns: ClassVar[Mapping[str, tuple[str, str]]] = {}
     tells_bad: ClassVar[bool] = False
+    conjugate: ClassVar[bool] = True
     parameters = ()
     dimension = 0
 

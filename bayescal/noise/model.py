@@ -30,6 +30,8 @@ class NoiseModel(Protocol):
         Head of a table's column, and its meaning, of each of `parameters`.
     tells_bad : bool
         Whether it knows bad points.
+    conjugate : bool
+        Whether normal amplitudes integrate out in closed form; else the evidence is sampled.
     """
 
     name: ClassVar[str]
@@ -38,6 +40,7 @@ class NoiseModel(Protocol):
     options: ClassVar[tuple[str, ...]]
     columns: ClassVar[Mapping[str, tuple[str, str]]]
     tells_bad: ClassVar[bool]
+    conjugate: ClassVar[bool]
 
     @classmethod
     def of(cls, pixel: float, **options: Any) -> Self:

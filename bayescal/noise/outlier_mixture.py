@@ -56,6 +56,7 @@ class OutlierMixture:
         "bad_offset": ("offset px", "offset of the bad points"),
     }
     tells_bad: ClassVar[bool] = True
+    conjugate: ClassVar[bool] = False
 
     width_bounds: tuple[float, float] = WIDTH_BOUNDS
     infers_offset: bool = False

@@ -47,6 +47,7 @@ class StudentT:
         "nu": ("nu", "degrees of freedom of Student-t noise"),
     }
     tells_bad: ClassVar[bool] = False
+    conjugate: ClassVar[bool] = False
 
     nu: float | None = None
 

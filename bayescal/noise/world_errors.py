@@ -33,6 +33,7 @@ class WorldErrors(Gaussian):
     variance: Array
     name: ClassVar[str] = "gaussian-world"
     words: ClassVar[str] = "Gaussian, with errors of the world,"
+    conjugate: ClassVar[bool] = False
 
     def carried(self, log_sigma: Array) -> Array:
         """Variance that the world's errors make at each draw, ``(n_draws, n_points)``, px^2."""

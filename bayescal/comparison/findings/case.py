@@ -9,7 +9,6 @@ from bayescal.comparison.adequacy.outcome import AdequacyTest
 from bayescal.comparison.criteria.goodness import ReferenceSigma
 from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.orders.result import OrderResult
-from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.model import NoiseModel
 
 
@@ -42,7 +41,7 @@ class Case:
     @property
     def gaussian(self) -> bool:
         """Whether the noise is Gaussian, so that its tests apply."""
-        return self.shape.name == GAUSSIAN.name
+        return self.shape.conjugate
 
 
 def best_of(results: Sequence[OrderResult]) -> OrderResult:

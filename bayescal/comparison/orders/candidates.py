@@ -23,7 +23,6 @@ from bayescal.inference.checked_posterior import sample_posterior
 from bayescal.linear.closed_form import ExactPosterior, exact_posterior
 from bayescal.linear.least_squares import LeastSquaresFit
 from bayescal.linear.model import LinearModel
-from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.model import NoiseModel
 
 if TYPE_CHECKING:  # Gaussian noise does not pay for what it does not need
@@ -183,6 +182,6 @@ def order_of(
     axis: Axis, order: int, noise: NoiseModel, reference: ReferenceSigma = NO_REFERENCE
 ) -> GaussianOrder | RobustOrder:
     """Make the candidate of an order under a noise model."""
-    if noise.name != GAUSSIAN.name:
-        return RobustOrder.of(axis, order, noise)
-    return GaussianOrder(axis, order, noise, reference)
+    if noise.conjugate:
+        return GaussianOrder(axis, order, noise, reference)
+    return RobustOrder.of(axis, order, noise)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from bayescal.arrays import LOG_2PI, Array, frozen
+from bayescal.arrays import Array, frozen
 from bayescal.cameras.pinhole import POSE, PinholeGeometry
 from bayescal.density.joint_data import JointData
 from bayescal.density.robust_fits import LinearPixels
@@ -49,11 +49,6 @@ class Normal:
     def whitened(self, free: Array) -> Array:
         """Whitened coordinates of free ones, ``(..., dimension)``; inverse of `at`."""
         return np.asarray(solve_triangular(self.root, (free - self.mean).T, lower=True).T)
-
-    @property
-    def log_volume(self) -> float:
-        """Log of the integral of the normal, unnormalised: 1 at its mean."""
-        return len(self.mean) / 2 * LOG_2PI + float(np.log(np.diag(self.root)).sum())
 
 
 def laplace(

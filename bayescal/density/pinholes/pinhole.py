@@ -49,11 +49,6 @@ class PinholeModel(ABC):
     noise: NoiseModel
 
     @property
-    def gaussian(self) -> bool:
-        """Whether sigma has a closed form."""
-        return self.noise.name == "gaussian"
-
-    @property
     def infers_tau(self) -> bool:
         """Whether the distortion's strength is drawn."""
         return self.geometry.order > 0 and self.prior.tau is None
@@ -131,20 +126,6 @@ class PinholeModel(ABC):
         for i, (log_sigma, eta) in enumerate(self.levels(full)):
             total += self.noise.log_density(residuals[:, i], log_sigma, eta, self.data.sd[i])
         return total
-
-    def bad_probability(self, full: Array) -> Array | None:
-        """Probability that each pixel value is bad, ``(2, n_points)``, averaged over draws."""
-        parts = self.in_parts(full)
-        totals = np.zeros((2, self.data.n))
-        for part in parts:
-            residuals, _ = self.residuals(self.coordinates(part))
-            for i, (log_sigma, eta) in enumerate(self.levels(part)):
-                sd = self.data.sd[i]
-                found = self.noise.bad_probability(residuals[:, i], log_sigma, eta, sd)
-                if found is None:
-                    return None
-                totals[i] += found.sum(axis=0)
-        return totals / len(full)
 
     def residuals(self, theta: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Measured less predicted pixels, and which draws see all points.

@@ -12,7 +12,6 @@ from bayescal.cameras.lenses.eucm import Eucm
 from bayescal.report.cameras.camera import FittedCamera, filled, fisheye, is_fisheye, shortest
 
 NAME = "COLMAP"
-SUFFIX = ".txt"
 COVARIANCE = False
 CENTRE = 0.5
 

@@ -14,7 +14,6 @@ from bayescal.cameras.lenses.eucm import Eucm
 from bayescal.report.cameras.camera import FittedCamera, filled, fisheye, is_fisheye, shortest
 
 NAME = "Kalibr camchain"
-SUFFIX = ".yaml"
 COVARIANCE = False
 
 

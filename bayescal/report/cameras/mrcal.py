@@ -10,7 +10,6 @@ from bayescal.cameras.lenses import Lens
 from bayescal.report.cameras.camera import FittedCamera, filled, shortest
 
 NAME = "mrcal"
-SUFFIX = ".cameramodel"
 COVARIANCE = False
 NO_POSE = "[ 0, 0, 0, 0, 0, 0 ]"
 

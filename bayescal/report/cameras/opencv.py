@@ -12,7 +12,6 @@ from bayescal.report.cameras.camera import FittedCamera, filled, fisheye, is_fis
 from bayescal.report.cameras.opencv_storage import HEADER, list_lines, matrix_lines
 
 NAME = "OpenCV"
-SUFFIX = ".yml"
 COVARIANCE = True
 
 

@@ -12,7 +12,6 @@ from bayescal.cameras.lenses import Lens
 from bayescal.report.cameras.camera import FittedCamera, filled, fisheye, is_fisheye, shortest
 
 NAME = "ROS camera_info"
-SUFFIX = ".yaml"
 COVARIANCE = False
 
 

@@ -7,7 +7,6 @@ from typing import Any
 
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.blocks import Listing, Prose, Section
 from bayescal.report.views.words import noise_words
@@ -149,7 +148,7 @@ def _families(found: FamilyComparison) -> Iterable[str]:
 
 
 def _checks(axes: Axes, cite: Cite) -> Iterable[str]:
-    if all(axis.noise_model.name == GAUSSIAN.name for axis in axes):
+    if all(axis.noise_model.conjugate for axis in axes):
         results = [r.criteria for axis in axes for r in axis.orders]
         criteria = [
             words if all(known) else f"{words} (where it is defined)"

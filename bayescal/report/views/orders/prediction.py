@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Blocks, Figure, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.views import Topic
@@ -65,7 +64,7 @@ def prediction_lines(axis: AxisComparison, defence: Defence) -> list[str]:
 
     drawn = any(p.psis is not None for p in defence.prediction.values())
     exact = f"{EXACT_ELPD} {PSIS_ELPD}" if drawn else EXACT_ELPD
-    lines = [exact if axis.noise_model.name == GAUSSIAN.name else SAMPLED_ELPD]
+    lines = [exact if axis.noise_model.conjugate else SAMPLED_ELPD]
     lines += _influential(axis, defence)
     if axis.data.n < SMALL_SAMPLE:
         lines.append(

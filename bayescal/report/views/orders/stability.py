@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from bayescal.comparison.results import AxisComparison, Comparison
-from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Block, Blocks, Figure, Part, Prose, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.views import Topic
@@ -126,7 +125,7 @@ def world_lines(axis: AxisComparison) -> list[str]:
 
 def left_out(axis: AxisComparison) -> list[str]:
     """Say which answers don't exist under this noise."""
-    if axis.noise_model.name == GAUSSIAN.name:
+    if axis.noise_model.conjugate:
         return []
     from bayescal.comparison.defence.defence import LEFT_OUT
 

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
-from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.report.blocks import Blocks, Facts, Tabled
 from bayescal.report.table import Cell, Column, Table, number_cell, order_table
 from bayescal.report.views.orders.robust import robust_footnotes, robust_orders_table
@@ -18,7 +17,7 @@ from bayescal.rounding import percent, significant
 def of_axis(_: Comparison, axis: AxisComparison) -> Blocks:
     """Show the assumptions, and the table that rests on them."""
     name = axis.data.axis
-    gaussian = axis.noise_model.name == GAUSSIAN.name
+    gaussian = axis.noise_model.conjugate
     notes = footnotes(axis) if gaussian else robust_footnotes(axis)
     return (
         Facts(assumed(axis)),
