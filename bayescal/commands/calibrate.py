@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_file, check_output, code_of, publish
 from bayescal.commands.shared.resume import resumable
 from bayescal.commands.shared.view_options import add_views, views
@@ -27,51 +28,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_views(parser)
     model = parser.add_argument_group("model")
     add_lenses(model)
-    model.add_argument(
-        "--sigma",
-        type=shared.level_or("inferred", "replicates", "scale", "per-view"),
-        metavar="LEVEL",
-        help="noise level: px, inferred, or per-view: each view its own (inferred)",
+    option(
+        model,
+        "--sigma LEVEL",
+        "noise level: px, inferred, or per-view: each view its own (inferred)",
+        shared.level_or("inferred", "replicates", "scale", "per-view"),
     )
     run = parser.add_argument_group("run")
-    run.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
-    run.add_argument(
-        "--ess", type=int, default=400, metavar="N", help="effective samples wanted (400)"
-    )
+    option(run, "--seed N", "of all randomness (0)", int, default=0)
+    option(run, "--ess N", "effective samples wanted (400)", int, default=400)
     add_output(parser, "write a run: result.json, views, draws (NetCDF), the camera")
-    parser.add_argument(
-        "--report", metavar="FILE.html", help="write the page that report RUN writes"
-    )
+    option(parser, "--report FILE.html", "write the page that report RUN writes")
     camera = parser.add_argument_group("camera")
-    camera.add_argument(
-        "--camera",
-        nargs=2,
+    option(
+        camera,
+        "--camera FORMAT FILE",
+        "write the most probable lens for another tool: opencv, ros, kalibr, mrcal or colmap; "
+        "may be given again",
         action="append",
         default=[],
-        metavar=("FORMAT", "FILE"),
-        help="write the most probable lens for another tool: opencv, ros, kalibr, mrcal or colmap; "
-        "may be given again",
     )
 
 
 def add_lenses(model: argparse._ArgumentGroup) -> None:
     """Add which lenses are compared, and under which errors."""
-    model.add_argument(
-        "--lens",
-        action="append",
-        metavar="NAME",
-        help="a lens to compare, such as 'radial 2', 'radial 2 + p', 'fisheye 3', opencv5, eucm; "
+    option(
+        model,
+        "--lens NAME",
+        "a lens to compare, such as 'radial 2', 'radial 2 + p', 'fisheye 3', opencv5, eucm; "
         "may be given again (found: plain first, while the evidence rises)",
+        action="append",
     )
-    model.add_argument(
-        "--independent",
-        action="store_true",
-        help="take noise as independent and the target as exact",
-    )
-    model.add_argument("--square-pixels", action="store_true", help="hold fx = fy")
-    model.add_argument(
-        "--centred", action="store_true", help="hold the principal point in the middle"
-    )
+    option(model, "--independent", "take noise as independent and the target as exact")
+    option(model, "--square-pixels", "hold fx = fy")
+    option(model, "--centred", "hold the principal point in the middle")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from bayescal.commands.shared.camera import add_average, add_output, check_rows, publish_rows
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE
 from bayescal.errors import InputError
 
@@ -20,11 +21,11 @@ DESCRIPTION = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     for name in ("first", "second"):
-        parser.add_argument(name, metavar="RUN", help=f"the {name} run, or camera file")
+        option(parser, f"{name} RUN", f"the {name} run, or camera file")
     add_average(parser)
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
+    option(parser, "--seed N", "of all randomness (0)", int, default=0)
     output = add_output(parser)
-    output.add_argument("--figure", metavar="FILE", help="draw the map: .png, .svg or .pdf")
+    option(output, "--figure FILE", "draw the map: .png, .svg or .pdf")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families, families_of
 from bayescal.commands.shared.many import many_or_few, say_many
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_output, deliver
 from bayescal.commands.shared.resume import resumable
 from bayescal.errors import InputError
@@ -19,17 +20,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     shared.add_orders(parser)
     shared.add_axis(parser)
-    parser.add_argument(
+    option(
+        parser,
         "--defend",
-        action="store_true",
-        help="answer a referee too: leave-one-out, prior sensitivity, stability, orders beyond "
+        "answer a referee too: leave-one-out, prior sensitivity, stability, orders beyond "
         "the range (some 15 seconds more)",
     )
     add_families(parser, several=True)
-    parser.add_argument(
+    option(
+        parser,
         "--no-families",
-        action="store_true",
-        help="do not look whether another family or a free position is decisively better",
+        "do not look whether another family or a free position is decisively better",
     )
     shared.add_points(parser)
     shared.add_model(parser)

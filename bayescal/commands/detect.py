@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE, add_manner
 from bayescal.errors import InputError
 
@@ -26,47 +27,41 @@ PATTERNS = ("chessboard", "charuco", "circles", "asymmetric-circles")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "images",
+    option(
+        parser,
+        "images IMAGES",
+        "photographs of one camera, or a pattern of their names such as 'images/*.jpg'",
         nargs="+",
-        metavar="IMAGES",
-        help="photographs of one camera, or a pattern of their names such as 'images/*.jpg'",
     )
     target = parser.add_argument_group("target")
-    target.add_argument(
-        "--board",
-        required=True,
-        metavar="COLUMNSxROWS",
-        help="its points along x and y, such as 9x6: inner corners of a chessboard, circles, or "
+    option(
+        target,
+        "--board COLUMNSxROWS",
+        "its points along x and y, such as 9x6: inner corners of a chessboard, circles, or "
         "the squares of a ChArUco board",
-    )
-    target.add_argument(
-        "--square",
-        type=float,
         required=True,
-        metavar="SIDE",
-        help="side of a square, or distance of circles (asymmetric: of neighbouring rows), in any "
-        "unit; what is found of the target has it",
     )
-    target.add_argument(
-        "--pattern", choices=PATTERNS, default="chessboard", help="kind of target (chessboard)"
+    option(
+        target,
+        "--square SIDE",
+        "side of a square, or distance of circles (asymmetric: of neighbouring rows), in any "
+        "unit; what is found of the target has it",
+        float,
+        required=True,
+    )
+    option(
+        target, "--pattern", "kind of target (chessboard)", choices=PATTERNS, default="chessboard"
     )
     charuco = parser.add_argument_group("ChArUco")
-    charuco.add_argument(
-        "--marker", type=float, metavar="SIDE", help="side of a marker, in the square's unit"
-    )
-    charuco.add_argument(
-        "--dictionary", metavar="NAME", help="OpenCV's name of the markers, such as 4x4_50"
-    )
-    charuco.add_argument(
-        "--legacy", action="store_true", help="the board was printed from OpenCV before 4.6"
-    )
+    option(charuco, "--marker SIDE", "side of a marker, in the square's unit", float)
+    option(charuco, "--dictionary NAME", "OpenCV's name of the markers, such as 4x4_50")
+    option(charuco, "--legacy", "the board was printed from OpenCV before 4.6")
     output = parser.add_argument_group("output")
-    output.add_argument("--out", metavar="FILE.csv", help="write the views there (printed)")
-    output.add_argument(
-        "--contact-sheet",
-        metavar="FILE.png",
-        help="draw small pictures of all photographs with what was found",
+    option(output, "--out FILE.csv", "write the views there (printed)")
+    option(
+        output,
+        "--contact-sheet FILE.png",
+        "draw small pictures of all photographs with what was found",
     )
     add_manner(output, "say nothing of what was found")
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families
 from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_file, check_output, deliver
 from bayescal.errors import InputError
 
@@ -16,17 +17,11 @@ DESCRIPTION = "Fit one order per axis, sampled with emcee, and print the model i
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument("--order-r", type=int, metavar="K", help="order of r(x/z)")
-    parser.add_argument("--order-c", type=int, metavar="K", help="order of c(y/z)")
+    option(parser, "--order-r K", "order of r(x/z)", int)
+    option(parser, "--order-c K", "order of c(y/z)", int)
     add_families(parser, several=False)
-    parser.add_argument(
-        "--order", type=int, metavar="K", help="of bivariate or pinhole: degree or coefficients"
-    )
-    parser.add_argument(
-        "--opencv",
-        metavar="FILE",
-        help="write a pinhole as OpenCV's camera (YAML, cv2.FileStorage)",
-    )
+    option(parser, "--order K", "of bivariate or pinhole: degree or coefficients", int)
+    option(parser, "--opencv FILE", "write a pinhole as OpenCV's camera (YAML, cv2.FileStorage)")
     shared.add_points(parser)
     shared.add_model(parser)
     add_output(parser)

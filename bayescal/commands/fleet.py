@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from bayescal.commands.calibrate import add_lenses
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared import view_options
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE, NOT_SOUND, add_progress
 from bayescal.commands.shared.streams import say
 from bayescal.errors import InputError
@@ -36,45 +37,41 @@ OF_VIEWS = ("lens", "independent", "square_pixels", "centred", "board", "square"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "cameras",
-        nargs="+",
-        metavar="CAMERAS",
-        help="a file of points for each camera, patterns of their names such as 'cameras/*.csv', "
+    option(
+        parser,
+        "cameras CAMERAS",
+        "a file of points for each camera, patterns of their names such as 'cameras/*.csv', "
         "or a manifest: a CSV file with the column file and optionally camera (its name), setup",
+        nargs="+",
     )
     run = parser.add_argument_group("processes")
-    run.add_argument(
-        "--workers", type=int, metavar="N", help="processes on this machine (one for each core)"
-    )
-    run.add_argument(
-        "--scheduler", metavar="ADDRESS", help="of a Dask cluster, such as tcp://host:8786"
-    )
+    option(run, "--workers N", "processes on this machine (one for each core)", int)
+    option(run, "--scheduler ADDRESS", "of a Dask cluster, such as tcp://host:8786")
     output = parser.add_argument_group("output")
-    output.add_argument("--out", required=True, metavar="DIR", help="folder to keep all in")
-    output.add_argument("--json", metavar="-", choices=("-",), help="print the result document")
-    output.add_argument("--quiet", action="store_true", help="print no tables")
+    option(output, "--out DIR", "folder to keep all in", required=True)
+    option(output, "--json -", "print the result document", choices=("-",))
+    option(output, "--quiet", "print no tables")
     add_progress(output)
     shared.add_orders(parser)
     shared.add_axis(parser)
-    parser.add_argument(
+    option(
+        parser,
         "--no-families",
-        action="store_true",
-        help="do not look whether another family or a free position is decisively better",
+        "do not look whether another family or a free position is decisively better",
     )
-    parser.add_argument(
-        "--columns",
-        metavar="x=E,y=N,...",
-        help="names or numbers of the tables' columns where they can't be guessed",
+    option(
+        parser,
+        "--columns x=E,y=N,...",
+        "names or numbers of the tables' columns where they can't be guessed",
     )
-    parser.add_argument("--view", metavar="NAME", help="which view to take of files of several")
+    option(parser, "--view NAME", "which view to take of files of several")
     shared.add_setup(parser)
     shared.add_model(parser)
     views = parser.add_argument_group("views of a target")
-    views.add_argument(
+    option(
+        views,
         "--calibrate",
-        action="store_true",
-        help="each camera's file holds views of a target, whose lenses are compared",
+        "each camera's file holds views of a target, whose lenses are compared",
     )
     add_lenses(views)
     view_options.add_board(views)

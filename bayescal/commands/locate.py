@@ -15,6 +15,7 @@ from bayescal.commands.shared.camera import (
     publish_rows,
 )
 from bayescal.commands.shared.camera import read_rows as read_table
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE
 from bayescal.errors import InputError
 
@@ -33,31 +34,25 @@ PAIR = ("r1", "c1", "r2", "c2")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     add_camera(parser)
-    parser.add_argument(
-        "pixels",
-        metavar="PIXELS",
-        help="a table with columns r,c (px, as recorded); r1,c1,r2,c2 of --pairs; x,y,z,r,c of "
+    option(
+        parser,
+        "pixels PIXELS",
+        "a table with columns r,c (px, as recorded); r1,c1,r2,c2 of --pairs; x,y,z,r,c of "
         "--target; - reads it",
     )
     where = parser.add_argument_group("where the points lie")
-    where.add_argument("--depth", type=float, metavar="Z", help="at this z, world units")
-    where.add_argument("--depth-sd", type=float, metavar="S", help="its standard deviation (0)")
-    where.add_argument(
-        "--plane",
-        type=float,
-        nargs=4,
-        metavar=("A", "B", "C", "D"),
-        help="on the plane A x + B y + C z = D",
-    )
-    where.add_argument("--pairs", action="store_true", help="distances of pairs of pixels")
+    option(where, "--depth Z", "at this z, world units", float)
+    option(where, "--depth-sd S", "its standard deviation (0)", float)
+    option(where, "--plane A B C D", "on the plane A x + B y + C z = D", float)
+    option(where, "--pairs", "distances of pairs of pixels")
     target = parser.add_argument_group("a known target")
-    target.add_argument(
+    option(
+        target,
         "--target",
-        action="store_true",
-        help="its pose from one new picture: x,y,z in its own frame, where each is seen",
+        "its pose from one new picture: x,y,z in its own frame, where each is seen",
     )
-    target.add_argument("--sigma", type=float, metavar="PX", help="noise of these pixels")
-    parser.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
+    option(target, "--sigma PX", "noise of these pixels", float)
+    option(parser, "--seed N", "of all randomness (0)", int, default=0)
     add_rows(parser)
 
 

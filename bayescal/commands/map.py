@@ -11,6 +11,7 @@ from bayescal.commands.shared.camera import (
     check_rows,
     publish_answers,
 )
+from bayescal.commands.shared.option import option
 from bayescal.errors import InputError
 
 DESCRIPTION = (
@@ -23,10 +24,7 @@ DESCRIPTION = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     add_camera(parser)
-    parser.add_argument(
-        "--grid", type=int, nargs=2, default=(33, 25), metavar=("COLUMNS", "ROWS"),
-        help="places over the image (33 25)",
-    )  # fmt: skip
+    option(parser, "--grid COLUMNS ROWS", "places over the image (33 25)", int, default=(33, 25))
     add_output(parser)
 
 

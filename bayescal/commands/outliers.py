@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_output, deliver
 from bayescal.commands.shared.resume import resumable
 
@@ -19,13 +20,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     shared.add_orders(parser)
     shared.add_axis(parser)
-    parser.add_argument("--all", action="store_true", help="show every point, not the worst alone")
-    parser.add_argument(
-        "--significance",
-        type=float,
+    option(parser, "--all", "show every point, not the worst alone")
+    option(
+        parser,
+        "--significance P",
+        "of the chi-squared elimination, for all points together (0.05)",
+        float,
         default=0.05,
-        metavar="P",
-        help="of the chi-squared elimination, for all points together (0.05)",
     )
     shared.add_points(parser)
     shared.add_model(parser, one_noise=False)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE, add_manner, check_file, code_of
 from bayescal.errors import InputError
 from bayescal.report.figures.registry import (
@@ -58,21 +59,15 @@ def _taken(kind: FigureKind) -> str:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "kind", choices=(*KINDS, *ALIASES), metavar="KIND", help=f"what to draw: {', '.join(KINDS)}"
-    )
-    parser.add_argument(
-        "--list", action=_ListKinds, nargs=0, help="say what each kind shows, and end"
-    )
-    parser.add_argument("--axis", choices=("r", "c"), help="which pixel axis")
-    parser.add_argument("--order", type=int, metavar="K", help="which order (the recommended one)")
+    option(parser, "kind KIND", f"what to draw: {', '.join(KINDS)}", choices=(*KINDS, *ALIASES))
+    option(parser, "--list", "say what each kind shows, and end", action=_ListKinds, nargs=0)
+    option(parser, "--axis", "which pixel axis", choices=("r", "c"))
+    option(parser, "--order K", "which order (the recommended one)", int)
     shared.add_orders(parser)
     shared.add_points(parser)
     shared.add_model(parser)
     output = parser.add_argument_group("output")
-    output.add_argument(
-        "--out", required=True, metavar="FILE", help="the figure: .png, .svg or .pdf"
-    )
+    option(output, "--out FILE", "the figure: .png, .svg or .pdf", required=True)
     add_manner(output, "don't say what is to be seen")
 
 

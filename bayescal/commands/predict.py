@@ -12,6 +12,7 @@ from bayescal.commands.shared.camera import (
     publish_answers,
 )
 from bayescal.commands.shared.camera import read_rows as read_table
+from bayescal.commands.shared.option import option
 
 DESCRIPTION = (
     "Predict pixels of world points by a calibrated camera: mean and sd of the mapping, sd of a "
@@ -23,9 +24,7 @@ DESCRIPTION = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     add_camera(parser)
-    parser.add_argument(
-        "points", metavar="POINTS", help="a table with columns x,y,z (world units); - reads it"
-    )
+    option(parser, "points POINTS", "a table with columns x,y,z (world units); - reads it")
     add_rows(parser)
 
 

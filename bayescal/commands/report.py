@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families, families_of
 from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_manner, check_file, code_of
 from bayescal.commands.shared.streams import print_utf8
 from bayescal.errors import InputError, OutputError
@@ -33,26 +34,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     shared.add_axis(parser)
     shared.add_points(parser)
     shared.add_model(parser)
-    parser.add_argument(
+    option(
+        parser,
         "--outliers",
-        action="store_true",
-        help="look for bad points too: a section of their own (about a minute more)",
+        "look for bad points too: a section of their own (about a minute more)",
     )
     add_families(parser, several=True)
     output = parser.add_argument_group("output")
-    output.add_argument("--out", required=True, metavar="FILE.html", help="the page; - prints it")
-    output.add_argument(
-        "--pdf", metavar="FILE.pdf", help="print it too, with the Chromium found on the PATH"
-    )
+    option(output, "--out FILE.html", "the page; - prints it", required=True)
+    option(output, "--pdf FILE.pdf", "print it too, with the Chromium found on the PATH")
     add_manner(output, "don't say the verdict")
     heading = parser.add_argument_group("title block (by default as the setup's [report] says)")
-    heading.add_argument("--title", default="", metavar="TEXT", help="heads the page")
+    option(heading, "--title TEXT", "heads the page", default="")
     for name, what in (
         ("camera", "which camera was calibrated"),
         ("serial", "its serial number"),
         ("operator", "who calibrated it"),
     ):
-        heading.add_argument(f"--{name}", default="", metavar="TEXT", help=what)
+        option(heading, f"--{name} TEXT", what, default="")
 
 
 def run(options: argparse.Namespace) -> int:

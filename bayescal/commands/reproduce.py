@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE, add_output, check_output, publish
 
 DESCRIPTION = (
@@ -18,29 +19,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     shared.add_points(parser)
     elimination = parser.add_argument_group("elimination")
-    elimination.add_argument(
-        "--significance",
-        type=float,
+    option(
+        elimination,
+        "--significance P",
+        "chance of removing any point from data without a bad one (0.05)",
+        float,
         default=0.05,
-        metavar="P",
-        help="chance of removing any point from data without a bad one (0.05)",
     )
-    elimination.add_argument(
-        "--per-point",
-        action="store_true",
-        help="take that for the chance of calling any one good point bad",
-    )
-    elimination.add_argument(
-        "--common",
-        action="store_true",
-        help="compare all orders on the points that every order keeps",
-    )
-    elimination.add_argument(
-        "--sigma",
-        type=shared.level_or("inferred"),
+    option(elimination, "--per-point", "take that for the chance of calling any one good point bad")
+    option(elimination, "--common", "compare all orders on the points that every order keeps")
+    option(
+        elimination,
+        "--sigma inferred|PX",
+        "noise level: inferred from the residuals, or known, px (inferred)",
+        shared.level_or("inferred"),
         default="inferred",
-        metavar="inferred|PX",
-        help="noise level: inferred from the residuals, or known, px (inferred)",
     )
     add_output(
         parser, "write figures 6-10 (PNG, SVG) and all numbers, reproduction.json", progress=False

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE, check_file
 from bayescal.errors import InputError
 
@@ -27,52 +28,46 @@ DESCRIPTION = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     truth = parser.add_argument_group("truth")
-    truth.add_argument("--order", type=int, metavar="K", help="order of r(x/z) and of c(y/z)")
-    truth.add_argument("--order-r", type=int, metavar="K", help="order of r, where it differs")
-    truth.add_argument("--order-c", type=int, metavar="K", help="order of c, where it differs")
-    truth.add_argument(
-        "--sigma", type=float, default=1.0, metavar="PX", help="noise of each pixel (1 px)"
-    )
-    truth.add_argument(
-        "--tau",
-        type=float,
-        metavar="T",
-        help="strength of the non-linearity, a fraction of the image: the coefficients are drawn "
+    option(truth, "--order K", "order of r(x/z) and of c(y/z)", int)
+    option(truth, "--order-r K", "order of r, where it differs", int)
+    option(truth, "--order-c K", "order of c, where it differs", int)
+    option(truth, "--sigma PX", "noise of each pixel (1 px)", float, default=1.0)
+    option(
+        truth,
+        "--tau T",
+        "strength of the non-linearity, a fraction of the image: the coefficients are drawn "
         "from the field prior with it (0.02)",
+        float,
     )
     for name, axis, regressor in (("alpha", "r", "x/z"), ("beta", "c", "y/z")):
-        truth.add_argument(
-            f"--{name}",
-            type=float,
-            nargs="+",
-            metavar="PX",
-            help=f"coefficients of {axis} in place of drawn ones, of ({regressor})^0, "
+        option(
+            truth,
+            f"--{name} PX",
+            f"coefficients of {axis} in place of drawn ones, of ({regressor})^0, "
             f"({regressor})^1, ...",
+            float,
+            nargs="+",
         )
     layout = parser.add_argument_group("points")
-    layout.add_argument(
-        "--n", type=int, metavar="N", help="how many (as many as --like has, else 57)"
-    )
-    layout.add_argument(
-        "--like",
+    option(layout, "--n N", "how many (as many as --like has, else 57)", int)
+    option(
+        layout,
+        "--like POINTS",
+        "take the world points of this file (of the bundled thesis data where none is named): "
+        "all of them as often as N allows, and for the rest some at random",
         nargs="?",
         const="",
-        metavar="POINTS",
-        help="take the world points of this file (of the bundled thesis data where none is named): "
-        "all of them as often as N allows, and for the rest some at random",
     )
-    layout.add_argument(
-        "--setup",
-        metavar="FILE.toml",
-        help="the camera (at 0 0 0, image 1920 by 1080 px, c from the bottom; the thesis's with "
+    option(
+        layout,
+        "--setup FILE.toml",
+        "the camera (at 0 0 0, image 1920 by 1080 px, c from the bottom; the thesis's with "
         "its points; state it with --like POINTS)",
     )
-    layout.add_argument("--seed", type=int, default=0, metavar="N", help="of all randomness (0)")
+    option(layout, "--seed N", "of all randomness (0)", int, default=0)
     output = parser.add_argument_group("output")
-    output.add_argument(
-        "--out", metavar="FILE.csv", help="write the points there (they are printed)"
-    )
-    output.add_argument("--force", action="store_true", help="replace existing output")
+    option(output, "--out FILE.csv", "write the points there (they are printed)")
+    option(output, "--force", "replace existing output")
 
 
 def run(options: argparse.Namespace) -> int:

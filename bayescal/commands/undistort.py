@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE, add_manner
 from bayescal.errors import InputError, OutputError
 
@@ -28,35 +29,31 @@ CAMERA = "camera.yml"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument(
-        "camera",
-        metavar="CAMERA",
-        help="a run, a camera file (camera.npz), or YAML of OpenCV or ROS's camera_info",
+    option(
+        parser,
+        "camera CAMERA",
+        "a run, a camera file (camera.npz), or YAML of OpenCV or ROS's camera_info",
     )
-    parser.add_argument(
-        "images",
+    option(
+        parser,
+        "images IMAGES",
+        "photographs by that camera, or a pattern of their names such as 'images/*.jpg'",
         nargs="*",
-        metavar="IMAGES",
-        help="photographs by that camera, or a pattern of their names such as 'images/*.jpg'",
     )
-    parser.add_argument(
-        "--field",
-        default="same",
-        metavar="FIELD",
-        help="what the result sees: the same focal length and principal point (same); as much as "
+    option(
+        parser,
+        "--field FIELD",
+        "what the result sees: the same focal length and principal point (same); as much as "
         "leaves no black pixel (inside); as much as loses no pixel (full); or so many degrees "
         "from left to right, such as 90",
+        default="same",
     )
     rows = parser.add_argument_group("pixels")
-    rows.add_argument("--pixels", metavar="TABLE", help="a table with columns r,c; - reads it")
-    rows.add_argument(
-        "--columns", metavar="r=u,c=v", help="names or numbers of the table's columns"
-    )
-    rows.add_argument("--strict", action="store_true", help="refuse a table with a bad row")
+    option(rows, "--pixels TABLE", "a table with columns r,c; - reads it")
+    option(rows, "--columns r=u,c=v", "names or numbers of the table's columns")
+    option(rows, "--strict", "refuse a table with a bad row")
     output = parser.add_argument_group("output")
-    output.add_argument(
-        "--out", required=True, metavar="PLACE", help="folder; of pixels a CSV file, - prints it"
-    )
+    option(output, "--out PLACE", "folder; of pixels a CSV file, - prints it", required=True)
     add_manner(output, "say nothing of what was done")
 
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE
 from bayescal.commands.shared.streams import say
 from bayescal.errors import InputError
@@ -20,42 +21,37 @@ if TYPE_CHECKING:
 
 def add_camera(parser: argparse.ArgumentParser) -> None:
     """Add the camera, and which of its models."""
-    parser.add_argument(
-        "camera", metavar="RUN", help="a run that --out wrote, or a camera file (camera.npz)"
-    )
+    option(parser, "camera RUN", "a run that --out wrote, or a camera file (camera.npz)")
     models = add_average(parser)
-    models.add_argument("--model", metavar="NAME", help="take this plausible model alone")
+    option(models, "--model NAME", "take this plausible model alone")
 
 
 def add_average(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """Add whether models are averaged."""
     models = parser.add_argument_group("models")
-    models.add_argument(
+    option(
+        models,
         "--average",
+        "average over all plausible models (where the verdict is undecided)",
         action=argparse.BooleanOptionalAction,
-        help="average over all plausible models (where the verdict is undecided)",
     )
     return models
 
 
 def add_rows(parser: argparse.ArgumentParser) -> None:
     """Add how the rows of a table are read, and where answers go."""
-    parser.add_argument(
-        "--columns", metavar="x=E,y=N,...", help="names or numbers of the table's columns"
-    )
-    parser.add_argument(
-        "--strict", action="store_true", help="refuse a table with a bad row (bad rows are named)"
-    )
+    option(parser, "--columns x=E,y=N,...", "names or numbers of the table's columns")
+    option(parser, "--strict", "refuse a table with a bad row (bad rows are named)")
     add_output(parser)
 
 
 def add_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
     """Add where answers go."""
     output = parser.add_argument_group("output")
-    output.add_argument("--out", metavar="FILE|-", help="write all rows as CSV; - prints them")
-    output.add_argument("--json", metavar="FILE|-", help="write all rows as JSON; - prints them")
-    output.add_argument("--force", action="store_true", help="replace existing output")
-    output.add_argument("--quiet", action="store_true", help="print no table")
+    option(output, "--out FILE|-", "write all rows as CSV; - prints them")
+    option(output, "--json FILE|-", "write all rows as JSON; - prints them")
+    option(output, "--force", "replace existing output")
+    option(output, "--quiet", "print no table")
     return output
 
 

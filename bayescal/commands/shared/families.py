@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 from bayescal.commands.shared import options as shared
+from bayescal.commands.shared.option import option
 from bayescal.errors import InputError
 
 
@@ -26,17 +27,18 @@ def add_families(parser: argparse.ArgumentParser, *, several: bool) -> None:
         metavar="stated,free" if several else "stated|free",
         help="camera position exact as stated, or inferred about it (stated; a pinhole's free)",
     )
-    group.add_argument(
+    option(
+        group,
         "--radial",
+        "powers of the radius in the pinhole's distortion (even)",
         choices=("even", "all"),
-        help="powers of the radius in the pinhole's distortion (even)",
     )
     if several:
-        group.add_argument(
-            "--radial-orders",
-            type=shared.orders,
-            metavar="K-L",
-            help="numbers of radial coefficients of the pinhole (0-3)",
+        option(
+            group,
+            "--radial-orders K-L",
+            "numbers of radial coefficients of the pinhole (0-3)",
+            shared.orders,
         )
 
 

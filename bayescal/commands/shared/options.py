@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.progress import Progress as Progress
 from bayescal.errors import InputError
 from bayescal.noise import NAMES
@@ -33,59 +34,47 @@ MODEL = ("sigma", "prior", "tau", "noise", "nu", "bad_offset", "tolerance", "see
 
 def add_points(parser: argparse.ArgumentParser) -> None:
     """Add the points file and what is known of the camera."""
-    parser.add_argument(
-        "points",
-        nargs="?",
-        metavar="POINTS",
-        help="a table with columns x,y,z,r,c (or E,N,h,col,row and the like) and optionally label, "
+    option(
+        parser,
+        "points POINTS",
+        "a table with columns x,y,z,r,c (or E,N,h,col,row and the like) and optionally label, "
         "group, sigma_r, sigma_c; - reads standard input; by default the bundled thesis data",
+        nargs="?",
     )
-    parser.add_argument(
-        "--columns",
-        metavar="x=E,y=N,...",
-        help="names or numbers of the table's columns where they can't be guessed",
+    option(
+        parser,
+        "--columns x=E,y=N,...",
+        "names or numbers of the table's columns where they can't be guessed",
     )
-    parser.add_argument("--view", metavar="NAME", help="which view to take of a file of several")
+    option(parser, "--view NAME", "which view to take of a file of several")
     for name, what in (("world", "x, y, z"), ("pixels", "r, c")):
-        parser.add_argument(
-            f"--{name}", metavar="FILE", help=f"{what} where they stand in two files (no POINTS)"
-        )
+        option(parser, f"--{name} FILE", f"{what} where they stand in two files (no POINTS)")
     add_setup(parser)
 
 
 def add_setup(parser: argparse.ArgumentParser) -> None:
     """Add what is known of the camera."""
     camera = parser.add_argument_group("camera")
-    camera.add_argument("--setup", metavar="FILE.toml", help="camera position, image size, priors")
-    camera.add_argument(
-        "--camera-position",
-        nargs=3,
-        type=float,
-        metavar=("X", "Y", "Z"),
-        help="world units (0 0 0)",
-    )
-    camera.add_argument("--image-width", type=float, metavar="PX", help="image width, px")
-    camera.add_argument("--image-height", type=float, metavar="PX", help="image height, px")
-    camera.add_argument(
+    option(camera, "--setup FILE.toml", "camera position, image size, priors")
+    option(camera, "--camera-position X Y Z", "world units (0 0 0)", float)
+    option(camera, "--image-width PX", "image width, px", float)
+    option(camera, "--image-height PX", "image height, px", float)
+    option(
+        camera,
         "--c-from-bottom",
+        "count c from the bottom: c = height - row",
         action=argparse.BooleanOptionalAction,
-        help="count c from the bottom: c = height - row",
     )
 
 
 def add_orders(parser: argparse.ArgumentParser) -> None:
     """Add the orders to compare."""
-    parser.add_argument(
-        "--orders",
-        type=orders,
-        metavar="K-L",
-        help="orders to compare, such as 1-5 or 1,3,5 (1-5)",
-    )
+    option(parser, "--orders K-L", "orders to compare, such as 1-5 or 1,3,5 (1-5)", orders)
 
 
 def add_axis(parser: argparse.ArgumentParser) -> None:
     """Add the axis to compare, or both."""
-    parser.add_argument("--axis", choices=("r", "c", "both"), help="which pixel axis (both)")
+    option(parser, "--axis", "which pixel axis (both)", choices=("r", "c", "both"))
 
 
 def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> None:
@@ -95,55 +84,55 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
     what is given can be told apart.
     """
     model = parser.add_argument_group("model")
-    model.add_argument(
-        "--sigma",
-        type=level_or("inferred", "replicates", "scale"),
-        metavar="LEVEL",
-        help="noise level: known, px; inferred; from replicates; or scale, a factor on the file's "
+    option(
+        model,
+        "--sigma LEVEL",
+        "noise level: known, px; inferred; from replicates; or scale, a factor on the file's "
         "sigma_r, sigma_c (those as they stand where the file has them, else inferred)",
+        level_or("inferred", "replicates", "scale"),
     )
-    model.add_argument(
+    option(
+        model,
         "--prior",
+        "of the coefficients (the setup's where it states one, else field)",
         choices=("field", "flat", "stated"),
-        help="of the coefficients (the setup's where it states one, else field)",
     )
-    model.add_argument(
-        "--tau",
-        type=float,
-        metavar="T",
-        help="fix the strength of the non-linearity, a fraction of the image (inferred)",
+    option(
+        model,
+        "--tau T",
+        "fix the strength of the non-linearity, a fraction of the image (inferred)",
+        float,
     )
-    model.add_argument(
-        "--tolerance",
-        type=float,
-        metavar="PX",
-        help="difference of predictions that does not matter: an order suffices where those that "
+    option(
+        model,
+        "--tolerance PX",
+        "difference of predictions that does not matter: an order suffices where those that "
         "can't be excluded stay within it (a quarter of the noise)",
+        float,
     )
     _add_noise(parser, choose=one_noise)
     run = parser.add_argument_group("run")
-    run.add_argument("--seed", type=int, metavar="N", help="of all randomness (0)")
-    run.add_argument("--ess", type=int, metavar="N", help="effective samples wanted (4000)")
+    option(run, "--seed N", "of all randomness (0)", int)
+    option(run, "--ess N", "effective samples wanted (4000)", int)
 
 
 def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
     """Add the noise model (where one is chosen) and the options of each."""
     noise = parser.add_argument_group("noise")
     if choose:
-        noise.add_argument(
+        option(
+            noise,
             "--noise",
-            choices=NAMES,
-            help="shape of the noise: gaussian; student-t has heavy tails; outlier-mixture has "
+            "shape of the noise: gaussian; student-t has heavy tails; outlier-mixture has "
             "good and bad points (gaussian; the others take longer)",
+            choices=NAMES,
         )
-    noise.add_argument(
-        "--nu", type=float, metavar="N", help="fix the degrees of freedom of student-t (inferred)"
-    )
-    noise.add_argument(
+    option(noise, "--nu N", "fix the degrees of freedom of student-t (inferred)", float)
+    option(
+        noise,
         "--bad-offset",
-        action="store_true",
+        "let the bad points of outlier-mixture be off to one side (spread about the good)",
         default=None,
-        help="let the bad points of outlier-mixture be off to one side (spread about the good)",
     )
 
 

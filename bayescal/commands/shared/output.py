@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from bayescal.commands.shared.option import option
 from bayescal.commands.shared.streams import say
 from bayescal.errors import InputError
 
@@ -28,30 +29,29 @@ def add_output(
 ) -> None:
     """Add where results go (no folder without its help), and whether progress is shown."""
     output = parser.add_argument_group("output")
-    output.add_argument(
-        "--json", metavar="FILE|-", help="write the result document; - prints it instead of tables"
-    )
+    option(output, "--json FILE|-", "write the result document; - prints it instead of tables")
     if folder_help is not None:
-        output.add_argument("--out", metavar="DIR", help=folder_help)
-    output.add_argument("--force", action="store_true", help="replace existing output")
-    output.add_argument("--quiet", action="store_true", help="print no tables")
+        option(output, "--out DIR", folder_help)
+    option(output, "--force", "replace existing output")
+    option(output, "--quiet", "print no tables")
     if progress:
         add_progress(output)
 
 
 def add_manner(output: argparse._ArgumentGroup, quiet: str) -> None:
     """Add whether files are replaced, what is left unsaid, and whether progress is shown."""
-    output.add_argument("--force", action="store_true", help="replace existing output")
-    output.add_argument("--quiet", action="store_true", help=quiet)
+    option(output, "--force", "replace existing output")
+    option(output, "--quiet", quiet)
     add_progress(output)
 
 
 def add_progress(group: argparse._ArgumentGroup) -> None:
     """Add whether progress is shown."""
-    group.add_argument(
+    option(
+        group,
         "--progress",
+        "progress bar (on a terminal, after a second)",
         action=argparse.BooleanOptionalAction,
-        help="progress bar (on a terminal, after a second)",
     )
 
 

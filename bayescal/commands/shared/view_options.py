@@ -5,47 +5,47 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING
 
+from bayescal.commands.shared.option import option
+
 if TYPE_CHECKING:
     from bayescal.points.views.views import Views
 
 
 def add_views(parser: argparse.ArgumentParser) -> None:
     """Add the file of views and what is said of it."""
-    parser.add_argument(
-        "views",
-        nargs="?",
-        metavar="VIEWS",
-        help="table with columns view,x,y,z,r,c, or another tool's .npz, .mat, corners.vnl, "
+    option(
+        parser,
+        "views VIEWS",
+        "table with columns view,x,y,z,r,c, or another tool's .npz, .mat, corners.vnl, "
         ".cameramodel or folder of .orpc; - reads standard input; by default the bundled "
         "chessboard, 13 views",
+        nargs="?",
     )
     given = parser.add_argument_group("views")
     add_board(given)
-    given.add_argument(
-        "--columns", metavar="view=a,x=b,...", help="names or numbers of a table's columns"
-    )
-    given.add_argument(
-        "--without",
+    option(given, "--columns view=a,x=b,...", "names or numbers of a table's columns")
+    option(
+        given,
+        "--without VIEW[:POINT]",
+        "leave out a view, or its point of that label or number: left05.jpg, left05.jpg:21; "
+        "may be given again",
         action="append",
         default=[],
-        metavar="VIEW[:POINT]",
-        help="leave out a view, or its point of that label or number: left05.jpg, left05.jpg:21; "
-        "may be given again",
     )
-    given.add_argument("--setup", metavar="FILE.toml", help="a setup that states the image size")
-    given.add_argument("--image-width", type=float, metavar="PX", help="image width, px")
-    given.add_argument("--image-height", type=float, metavar="PX", help="image height, px")
+    option(given, "--setup FILE.toml", "a setup that states the image size")
+    option(given, "--image-width PX", "image width, px", float)
+    option(given, "--image-height PX", "image height, px", float)
 
 
 def add_board(given: argparse._ArgumentGroup) -> None:
     """Add the target of files that hold pixels alone, and which views are kept."""
-    given.add_argument(
-        "--board",
-        metavar="9x6",
-        help="points along x and y, for files of pixels alone; or the .dsc of .orpc files",
+    option(
+        given,
+        "--board 9x6",
+        "points along x and y, for files of pixels alone; or the .dsc of .orpc files",
     )
-    given.add_argument("--square", type=float, metavar="SIDE", help="distance of its points (1)")
-    given.add_argument("--only", metavar="PATTERN", help="keep the views so called: '*cam0*'")
+    option(given, "--square SIDE", "distance of its points (1)", float)
+    option(given, "--only PATTERN", "keep the views so called: '*cam0*'")
 
 
 def views(options: argparse.Namespace) -> Views:
