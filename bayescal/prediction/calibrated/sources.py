@@ -231,7 +231,7 @@ def _pinhole_estimate(
     model: PinholeModel, coordinates: Callable[[Array], Array]
 ) -> Estimate | None:
     """Maximum likelihood under Gaussian noise; of robust noise it is none."""
-    if not model.gaussian:
+    if not model.noise.conjugate:
         return None
     fit, values = model.fit, 2 * model.data.n
     inferred = any(level.value is None for level in model.data.levels)
