@@ -135,6 +135,12 @@ BAD = {
         r":3: has 1 field where the first line has 2 \('Date:,2026', line 1\)",
     ),
     "json": ('[{"x": 1, "y": 2}]', ":1: looks like JSON; give a table with columns x,y,z,r,c"),
+    "html": ("<html><body>moved</body></html>\n", ":1: looks like HTML or XML; give a table"),
+    "thousands": (
+        f'{HEADER}\n"1,500",2,3,4,5\n"2,500",2,3,4,5\n',
+        ":2: '1,500' may be 1.500 or 1500; write it without a comma",
+    ),
+    "zip": (b"PK\x03\x04\0\0", ": is a zip archive, perhaps a workbook .* cut off; save it anew"),
     "unclosed quote": (f"label,{HEADER}\na,1,2,3,4,5\n" + '"b,1,2,3,4,5\nc,1,2,3,4,5\n', ":3: "),
     "text after quote": (f'{HEADER}\n"1"a,2,3,4,5\n', ":2: "),
     "line of 10 MB": (f"{HEADER}\n{'1' * 10_000_000}\n", ":2: field larger than field limit"),

@@ -41,5 +41,5 @@ def read_frame(
     try:
         return getattr(import_module("pandas"), reader)(stream)
     except Exception as error:  # whatever a damaged file makes the library raise
-        reason = " ".join(str(error).split())[:100]
+        reason = " ".join(str(error).split()).partition(". ")[0].rstrip(".")
         raise InputError(f"{content.name}: is a damaged {kind}: {reason}; save it anew") from None

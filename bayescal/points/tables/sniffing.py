@@ -16,6 +16,8 @@ from bayescal.rounding import counted
 # How a separator is called in a note; runs of blanks count as one.
 SEPARATORS = {"\t": "tabs", ";": "semicolons", ",": "commas", " ": "blanks"}
 _WITH_COMMA = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?$")
+_GROUPED = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}$")  # 1,500: a thousand and a half, or 1.5
+_NO_TABLES = {"[": "JSON", "{": "JSON", "<": "HTML or XML"}  # by their first characters
 _WITH_POINT = re.compile(r"[+-]?(?:\d+\.\d*|\.\d+)(?:[eE][+-]?\d+)?$")
 _WORD = re.compile(r'"((?:[^"]|"")*)"|(\S+)')
 
@@ -94,8 +96,11 @@ def parse_table(
     start = next((i for i, line in enumerate(kept) if line.strip()), None)
     if start is None:
         raise InputError(f"{name}: is empty; the first line must name the columns {names}")
-    if kept[start].lstrip()[0] in "[{":
-        raise InputError(f"{name}:{start + 1}: looks like JSON; give a table with columns {names}")
+    other = _NO_TABLES.get(kept[start].lstrip()[0])
+    if other is not None:
+        raise InputError(
+            f"{name}:{start + 1}: looks like {other}; give a table with columns {names}"
+        )
     separator = _separator(kept[start])
     records = _records(name, kept, separator)
     line, first = next(records)
@@ -214,11 +219,34 @@ def has_decimal_commas(table: TextTable, columns: Iterable[int]) -> bool:
     return not any(_WITH_POINT.match(field) for field in fields)
 
 
+def _refuse_thousands(table: TextTable, columns: Iterable[int]) -> None:
+    """Refuse quoted numbers between commas whose own commas may all be of thousands."""
+    found = [
+        (row, row.fields[i])
+        for row in table.rows
+        for i in columns
+        if _WITH_COMMA.match(row.fields[i])
+    ]
+    if table.separator == "," and all(_GROUPED.match(text) for _, text in found):
+        row, text = found[0]
+        raise InputError(
+            f"{table.where(row.line)}: {quoted(text)} may be {text.replace(',', '.')} or "
+            f"{text.replace(',', '')}; write it without a comma"
+        )
+
+
 def with_points(table: TextTable, columns: tuple[int, ...]) -> tuple[TextTable, bool]:
-    """Turn decimal commas in some columns into points; say whether there were any."""
+    """Turn decimal commas in some columns into points; say whether there were any.
+
+    Raises
+    ------
+    InputError
+        Where they may be the commas of thousands.
+    """
     commas = has_decimal_commas(table, columns)
     if not commas:
         return table, False
+    _refuse_thousands(table, columns)
     lines = []
     for row in table.rows:
         fields = list(row.fields)

@@ -7,6 +7,7 @@ import codecs
 from bayescal.errors import InputError
 
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+_ZIP = b"PK\x03\x04"
 # As much of a faulty text as a message quotes.
 _QUOTED = 40
 
@@ -26,6 +27,10 @@ def decode(name: str, raw: bytes) -> str:
     """
     if raw.startswith(_UTF16):
         raise InputError(f"{name}:1: is UTF-16 text; save the file as UTF-8")
+    if raw.startswith(_ZIP):
+        raise InputError(
+            f"{name}: is a zip archive, perhaps a workbook (.xlsx) that was cut off; save it anew"
+        )
     if b"\0" in raw:
         line = raw.count(b"\n", 0, raw.index(b"\0")) + 1
         raise InputError(f"{name}:{line}: holds a null byte, so it is not text; give a text file")

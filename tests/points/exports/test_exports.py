@@ -183,7 +183,7 @@ def test_damaged_files_of_other_programs(tmp_path: Path) -> None:
     whole = excel(tmp_path).read_bytes()
     for content, kind in (
         (whole[:-800], "damaged Excel workbook"),
-        (b"PAR1" + b"\0" * 40, "damaged Parquet file"),
+        (b"PAR1" + b"\0" * 40, r"damaged Parquet file: \w.*\w; save it anew"),
         (b"PK\x03\x04\0xl/workbook.xml", "damaged Excel workbook"),
     ):
         with pytest.raises(bc.InputError, match=kind):
