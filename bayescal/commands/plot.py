@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,8 +46,11 @@ class _ListKinds(argparse.Action):
         values: str | Sequence[Any] | None,  # noqa: ARG002
         option_string: str | None = None,  # noqa: ARG002
     ) -> None:
-        width = max(map(len, KINDS))
-        print("\n".join(f"{k.name:{width}}  {k.summary}{_taken(k)}" for k in FIGURES))
+        from bayescal.report.blocks import Facts
+        from bayescal.report.terminal import printed
+
+        pairs = tuple((k.name, f"{k.summary}{_taken(k)}") for k in FIGURES)
+        sys.stdout.write(printed((Facts(pairs),)))
         parser.exit(DONE)
 
 

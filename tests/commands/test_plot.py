@@ -109,7 +109,7 @@ def test_list_says_every_kind():
     done = here("plot", "--list")
     assert done.code == 0
     lines = done.out.splitlines()
-    assert [line.split()[0] for line in lines] == [kind.name for kind in FIGURES]
+    assert [line.split(":")[0].strip() for line in lines] == [kind.name for kind in FIGURES]
     assert all(kind.summary in done.out for kind in FIGURES)
     assert max(map(len, lines)) <= 100
 

@@ -12,6 +12,7 @@ from bayescal.arrays import Array
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
 from bayescal.comparison.adequacy.problem import Extension, Problem, extension, other_name, scaled
 from bayescal.linear.replicates import clusters, within_cells
+from bayescal.rounding import significant
 
 NAME = "other coordinate"
 
@@ -98,14 +99,15 @@ def _test(problem: Problem, name: str, added: Extension) -> AdequacyTest:
     worth = _worth(problem, added)
     dof, unit = (added.rank, added.dof), problem.unit
     if added.exact:
-        meaning = f"worth {worth:.2g} {unit} rms over the points, all that was left."
+        meaning = f"worth {significant(worth)} {unit} rms over the points, all that was left."
         return AdequacyTest(name, "F", None, dof, 0.0, meaning)
     noise = math.sqrt(added.rss / added.dof * float(np.mean(added.leverage * problem.sd**2)))
     before = math.sqrt((added.gain + added.rss) / (added.dof + added.rank))
     own = unit if problem.data.sd is None else "deviations"
+    sigmas = " to ".join(significant(s, 3) for s in (before, math.sqrt(added.rss / added.dof)))
     meaning = (
-        f"worth {worth:.2g} {unit} rms over the points (noise alone would feign {noise:.2g}), "
-        f"sigma goes from {before:.3g} to {math.sqrt(added.rss / added.dof):.3g} {own}."
+        f"worth {significant(worth)} {unit} rms over the points (noise alone would feign "
+        f"{significant(noise)}), sigma goes from {sigmas} {own}."
     )
     return AdequacyTest(name, "F", added.f, dof, float(fdtrc(*dof, added.f)), meaning)
 

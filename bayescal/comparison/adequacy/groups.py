@@ -14,6 +14,7 @@ from bayescal.comparison.adequacy.outcome import GROUPS as NAME
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
 from bayescal.comparison.adequacy.problem import NEW_DIRECTION, Problem
 from bayescal.linear.replicates import clusters
+from bayescal.rounding import significant
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,7 @@ def shared_errors(
         value,
         dof,
         p,
-        f"Points that share {what} ({count} groups) share an error of {shared:.2g} {unit} beside "
-        f"their own {math.sqrt(effects.within):.2g}, intraclass correlation {effects.icc:.2f}: "
-        f"{says}.",
+        f"Points that share {what} ({count} groups) share an error of {significant(shared)} {unit} "
+        f"beside their own {significant(math.sqrt(effects.within))}, intraclass correlation "
+        f"{effects.icc:.2f}: {says}.",
     )

@@ -11,6 +11,7 @@ from bayescal.arrays import Array
 from bayescal.comparison.adequacy.null import upper_tail
 from bayescal.comparison.adequacy.outcome import AdequacyTest, p_words, untested
 from bayescal.comparison.adequacy.problem import NEW_DIRECTION, Problem
+from bayescal.rounding import significant
 
 NAME = "uneven noise"
 
@@ -118,8 +119,8 @@ def _test(
         upper = along > along.min()
     high, low = (math.sqrt(float(np.mean(sizes[half] ** 2))) for half in (upper, ~upper))
     meaning = (
-        f"residuals are {high:.2g} {problem.unit} rms where it is large, {low:.2g} where it is "
-        f"small."
+        f"residuals are {significant(high)} {problem.unit} rms where it is large, "
+        f"{significant(low)} where it is small."
     )
     return AdequacyTest(name, "LM", value, (dof,), p, meaning)
 

@@ -10,7 +10,7 @@ from bayescal.arrays import Array, IntArray
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
 from bayescal.comparison.adequacy.problem import Problem, other_name
 from bayescal.linear.replicates import cells_of, clusters, spread_within
-from bayescal.rounding import counted
+from bayescal.rounding import counted, significant
 
 
 def lack_of_fit(problem: Problem, other: Array | None) -> AdequacyTest:
@@ -77,6 +77,6 @@ def _test(problem: Problem, name: str, cells: IntArray, shared: str) -> Adequacy
         f,
         (extra, spread.dof),
         p,
-        f"Points that share {shared} spread by {sigma:.3g} {unit} ({spread.dof} dof), the "
-        f"residuals by {fitted:.3g}: {says}.",
+        f"Points that share {shared} spread by {significant(sigma, 3)} {unit} ({spread.dof} dof), "
+        f"the residuals by {significant(fitted, 3)}: {says}.",
     )

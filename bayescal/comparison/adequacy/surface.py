@@ -11,6 +11,7 @@ from bayescal.arrays import Array
 from bayescal.comparison.adequacy.outcome import AdequacyTest, untested
 from bayescal.comparison.adequacy.problem import Problem, scaled
 from bayescal.polynomials.plane import plane_design
+from bayescal.rounding import significant
 
 NAME = "surface over the image"
 # Degree of the surface: a tangential distortion, a skew and a radial one are of two and three.
@@ -43,9 +44,10 @@ def surface(problem: Problem, place: Array) -> AdequacyTest:
     else:
         value, p = added.f, float(fdtrc(added.rank, added.dof, added.f))
         noise = after * math.sqrt(float(np.mean(added.leverage * problem.sd**2)))
-    unit = problem.unit
+    own = problem.unit if problem.data.sd is None else "deviations"
+    sigmas = " to ".join(significant(s, 3) for s in (before, after))
     meaning = (
-        f"A surface of degree {degree} takes up {worth:.2g} {unit} rms (noise alone would feign "
-        f"{noise:.2g}), sigma goes from {before:.3g} to {after:.3g}."
+        f"A surface of degree {degree} takes up {significant(worth)} {problem.unit} rms (noise "
+        f"alone would feign {significant(noise)}), sigma goes from {sigmas} {own}."
     )
     return AdequacyTest(NAME, "F", value, (added.rank, added.dof), p, meaning)

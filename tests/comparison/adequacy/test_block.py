@@ -59,7 +59,7 @@ def test_thesis_r():
     within = found["other coordinate, equal x/z"]
     assert within.concern
     assert within.parts[2].value == pytest.approx(26.95, abs=0.01)
-    assert "from 2.51 to 1.9 px" in within.parts[2].meaning
+    assert "from 2.51 to 1.90 px" in within.parts[2].meaning
     groups = found["shared errors in groups"]
     assert groups.dof == (8, 44)
     assert groups.value == pytest.approx(4.8587, abs=1e-3)

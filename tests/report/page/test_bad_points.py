@@ -53,6 +53,8 @@ def test_every_point_stands_with_its_probability(made: str, study: OutlierStudy)
 def test_points_that_err_together_and_the_verdict_are_told(made: str):
     assert "Points 16 and 19 share" in made
     assert "wins however bad points are treated" in made
+    # Those of c that the thesis names, the gravest first, under the large type.
+    assert re.search(r"<strong>\d+ suspicious points</strong> <span>16, 19, ", made)
     assert "log-uniform from" in made  # the prior of the width, px
 
 

@@ -199,7 +199,7 @@ def more_words(found: FamilyComparison) -> Blocks:
     """Say what a defence would add."""
     if found.defence is not None or found.settings.choice.robust or len(found.models) < 2:
         return ()
-    more = "the tests of adequacy, and which points and groups the choice rests on"
+    more = "every test of adequacy, and which points and groups the choice rests on"
     return (Prose(f"Would it persuade a referee? --defend adds {more}."),)
 
 

@@ -24,6 +24,7 @@ from bayescal.report.views.words import MARK, distrust, floor_words, prior_words
 from bayescal.rounding import counted, percent
 
 UNSOUND = f"{MARK} marks an evidence that should not be trusted, or chains that did not converge."
+NAMED = 6  # suspicious points under the large type
 
 
 def brief(study: OutlierStudy, *, everything: bool = False) -> Blocks:
@@ -51,12 +52,14 @@ def section(study: OutlierStudy) -> Section:
 
 
 def _answer(axis: AxisOutliers) -> Answer:
-    """Say in large type how many points are suspicious, and what that does to the order."""
-    count = len(axis.suspicious)
+    """Say in large type how many points are suspicious, which, and what that does to the order."""
+    labels, count = [p.label for p in axis.suspicious[:NAMED]], len(axis.suspicious)
+    labels += [f"{count - NAMED} more"] * (count > NAMED)
+    standing = axis.verdict.partition(". ")[0]
     return Answer(
         f"{axis.data.axis}, in {axis.data.regressor}",
         counted(count, "suspicious point") if count else "no suspicious point",
-        axis.verdict.partition(". ")[0],
+        f"{', '.join(labels)}. {standing}" if labels else standing,
         tuple(dict.fromkeys(f.because for f in axis.findings if f.withholds)),
     )
 
