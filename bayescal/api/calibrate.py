@@ -9,7 +9,7 @@ from typing import Any
 
 from bayescal.api.given import resumed
 from bayescal.comparison.lenses.analysis import compare_lenses
-from bayescal.comparison.lenses.request import LensRequest
+from bayescal.comparison.lenses.request import GAUSSIAN, LensRequest, checked_noise
 from bayescal.comparison.lenses.results import LensComparison
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
@@ -28,6 +28,7 @@ def calibrate(
     *,
     lenses: Sequence[str] | None = None,
     sigma: float | str | None = None,
+    noise: str = GAUSSIAN,
     independent: bool = False,
     square: bool = False,
     centred: bool = False,
@@ -50,6 +51,9 @@ def calibrate(
         Known standard deviation of r and c, px; inferred by default; ``"per-view"``: each view
         has its own, how they compare settled from residuals, their common factor inferred. With
         the views' own deviations it is a factor on them.
+    noise : str, optional
+        ``"gaussian"``; ``"mixture"``: each point may also be bad, with a probability that is
+        inferred, and then anywhere in the image.
     independent : bool, optional
         Take noise as independent and the target as exact, which no real target is: the error
         models (correlated noise, points of the target that are off, a target that bows) are
@@ -75,6 +79,7 @@ def calibrate(
     InputError
         Where an option can't be used, or no lens can be fitted.
     """
+    checked_noise(noise)
     known = None if sigma in ("inferred", PER_VIEW) else sigma
     if isinstance(known, str) or not (known is None or 0 < known < math.inf):
         raise InputError(
@@ -99,7 +104,9 @@ def calibrate(
     if odd := scrambled(views):
         raise InputError(f"{views.source}: {odd} name them anew, or leave it out: --without VIEW")
     names = None if lenses is None else tuple(lenses)
-    request = LensRequest(names, independent, square, centred, per_view=sigma == PER_VIEW)
+    request = LensRequest(
+        names, independent, square, centred, per_view=sigma == PER_VIEW, noise=noise
+    )
     settings = Settings(sigma=known, seed=seed, ess=ess)
     store = resumed(resume, views, settings, request)
     return compare_lenses(views, request, settings, progress or (lambda _: None), store)

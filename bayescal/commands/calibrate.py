@@ -11,6 +11,8 @@ from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_file, check_output, code_of, publish
 from bayescal.commands.shared.resume import resumable
 from bayescal.commands.shared.view_options import add_views, views
+from bayescal.comparison.lenses.request import NOISES, checked_noise
+from bayescal.errors import InputError
 
 if TYPE_CHECKING:
     from bayescal.comparison.lenses.results import LensComparison
@@ -33,6 +35,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sigma LEVEL",
         "noise level: px, inferred, or per-view: each view its own (inferred)",
         shared.level_or("inferred", "replicates", "scale", "per-view"),
+    )
+    model.add_argument(
+        "--noise",
+        type=_noise,
+        choices=NOISES,
+        default=NOISES[0],
+        help="gaussian; or mixture: each point may also be bad, and anywhere in the image, for "
+        "corners taken for others (gaussian)",
     )
     run = parser.add_argument_group("run")
     option(run, "--seed N", "of all randomness (0)", int, default=0)
@@ -79,6 +89,7 @@ def run(options: argparse.Namespace) -> int:
                 found,
                 lenses=options.lens,
                 sigma=options.sigma,
+                noise=options.noise,
                 independent=options.independent,
                 square=options.square_pixels,
                 centred=options.centred,
@@ -98,11 +109,20 @@ def run(options: argparse.Namespace) -> int:
     return code_of(sound=result.sound)
 
 
+def _noise(text: str) -> str:
+    """Parse a noise model, or say why views can't have it."""
+    if text in NOISES:
+        return text
+    try:
+        return checked_noise(text)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
 def _check_cameras(options: argparse.Namespace) -> None:
     """Refuse cameras that can't be written before anything is computed."""
     if not options.camera:
         return
-    from bayescal.errors import InputError
     from bayescal.report.cameras.write import BESIDE, FORMATS, check_format
 
     places = []

@@ -13,7 +13,10 @@ studentised residual, in two dimensions (Cook & Weisberg 1982, *Residuals and In
 Regression*, 2.2.2). F with 2 degrees of freedom above has its tail in closed form.
 
 A point that is given its shift stays so: the next is looked for without it, as in an elimination
-one at a time with a fit each.
+one at a time with a fit each. What all other points predict of one is the ratio of two integrals
+over lens, poses, offsets and sigma, with the point and without it: a t of the shift, its precision
+E'QE. The same of a point that has its shift is what the points without one predict of it; all
+shifts together have the precision E'QE, E picking all of them.
 """
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ from numpy.typing import NDArray
 
 from bayescal.arrays import Array
 from bayescal.calibration.judging.density import Problem
-from bayescal.calibration.judging.laplace import SIGMA_BOUNDS, degrees
+from bayescal.calibration.judging.laplace import SIGMA_BOUNDS, Level, degrees
 
 LEAST_FREE = 1e-6  # of a residual's variance: with less the point is needed to place its view
 LARGEST = 50_000_000  # numbers of derivatives by the target's offsets: 400 MB
@@ -63,6 +66,8 @@ class FreePoints:
         Its degrees of freedom.
     left : ndarray of bool
         Points that may still be given one, ``(n_views, n_places)``.
+    order : list of tuple of int
+        View and place of those that have one, as they were given it.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -91,21 +96,80 @@ class FreePoints:
         pull = whitener.T @ gram[1:, 0]
         self.weighted = free[..., 0] - self._taken @ pull
         self.squares = float(gram[0, 0] - pull @ pull)
+        self._first = self.weighted, self._taken.shape[-1]
+        self.order: list[tuple[int, int]] = []
         self.left = self.data.seen.copy()
         self._withdraw(~data.seen)
 
-    def log_p(self) -> Array:
-        """Log p-value of each point's shift, ``(n_views, n_places)``; 0 where it has none."""
+    def _gain(self) -> Array:
+        """By how much each point's shift lowers the sum of squares; 0 where it has none."""
         gain = np.zeros(self.left.shape)
         blocks, pulls = self.metric[self.left], self.weighted[self.left]
         shifts = np.linalg.solve(blocks, pulls[..., None])[..., 0]
         gain[self.left] = (pulls * shifts).sum(axis=-1)
+        return gain
+
+    def log_p(self) -> Array:
+        """Log p-value of each point's shift, ``(n_views, n_places)``; 0 where it has none."""
+        gain = self._gain()
         if self._sigma is not None:
             return np.asarray(-gain / (2 * self._sigma**2))
         with np.errstate(divide="ignore"):
             found = (self.dof - 2) / 2 * np.log1p(-np.minimum(gain / self.squares, 1.0))
         # No sigma is below its bound: rounding of exact pixels is no gross error.
         return np.asarray(np.maximum(found, -gain / (2 * SIGMA_BOUNDS[0] ** 2)))
+
+    def log_density(self) -> Array:
+        """Log density of each point as all others predict it, px^-2, ``(n_views, n_places)``.
+
+        NaN of points that have no shift to be given. What is known of the lens beforehand is left
+        out, as in `log_p`.
+        """
+        log_det = np.linalg.slogdet(self.metric[self.left])[1]
+        before = np.full(len(log_det), self.squares)
+        after = before - self._gain()[self.left]
+        out = np.full(self.left.shape, np.nan)
+        out[self.left] = self._ratio(before, after, self.dof, log_det, self.data.weight[self.left])
+        return out
+
+    def released(self) -> tuple[Array, Array]:
+        """Shifts of the points that have one, and their log densities as the points left predict.
+
+        Returns
+        -------
+        shifts : Array
+            Observed less where the points without a shift put them, px, ``(n_released, 2)``, in
+            the order of their release.
+        log_density : Array
+            Each alone beside the points without a shift, px^-2, ``(n_released,)``.
+        """
+        if not self.order:
+            return np.zeros((0, 2)), np.zeros(0)
+        view, place = np.array(self.order).T
+        weighted, width = self._first
+        k, weight = len(view), self.data.weight[view, place]
+        taken, pulled = self._taken[view, place, :, :width], self._pulled[view, place]
+        alike = view[:, None] == view
+        noise = np.where(alike, self._inverse[view[:, None], place[:, None], place], 0.0)
+        poses = np.einsum("iap,ipq,jbq->iajb", pulled, self._precision[view], pulled, optimize=True)
+        metric = np.einsum("ij,ab->iajb", noise, np.eye(2)) - poses * alike[:, None, :, None]
+        metric -= np.einsum("iak,jbk->iajb", taken, taken, optimize=True)
+        covariance = np.linalg.inv(metric.reshape(2 * k, 2 * k))
+        shifts = (covariance @ weighted[view, place].ravel()).reshape(k, 2)
+        own = np.einsum("iaib->iab", covariance.reshape(k, 2, k, 2))
+        put_back = (shifts * np.linalg.solve(own, shifts[..., None])[..., 0]).sum(axis=-1)
+        after = np.full(k, self.squares)
+        log_det = -np.linalg.slogdet(own)[1]
+        found = self._ratio(after + put_back, after, self.dof + 2, log_det, weight)
+        return shifts / weight, found
+
+    def _ratio(self, before: Array, after: Array, dof: int, log_det: Array, weight: Array) -> Array:
+        """Log of the integral with a point over that without, by their sums of squares."""
+        level = Level(self._sigma)
+        tiny = np.finfo(float).tiny
+        one = level.log_density(np.maximum(before, tiny), dof)
+        other = level.log_density(np.maximum(after, tiny), dof - 2)
+        return np.asarray(one - other + log_det / 2 + np.log(weight).sum(axis=-1))
 
     def shift(self, view: int, place: int) -> Array:
         """How far a point is off in r and c, px."""
@@ -141,6 +205,7 @@ class FreePoints:
         self.weighted = self.weighted - taken @ pull
         self.squares -= float(pull @ pull)
         self.dof -= 2
+        self.order.append((view, place))
         gone = np.zeros(self.left.shape, dtype=bool)
         gone[view, place] = True
         self._withdraw(gone)

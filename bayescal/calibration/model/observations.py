@@ -175,6 +175,10 @@ class Observations:
         out[view, self.which[view, place]] = values[view, place]
         return out
 
+    def without(self, points: NDArray[np.bool_]) -> Observations:
+        """Leave points out, ``(n_views, n_places)``; their places stay, as of points not seen."""
+        return replace(self, weight=np.where(points[..., None], 0.0, self.weight))
+
     def with_levels(self, levels: Array) -> Observations:
         """Give every view its level of noise, ``(n_views,)``."""
         return replace(self, weight=self.weight / levels[:, None, None], levels=levels)

@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
@@ -19,8 +20,9 @@ from bayescal.calibration.judging.sampled import SampledLens
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.judging import judge_all
+from bayescal.comparison.lenses.bad.points import Bad, bad_points
 from bayescal.comparison.lenses.caveats.listed import lens_findings
-from bayescal.comparison.lenses.fitted import judged_lens
+from bayescal.comparison.lenses.fitted import judged_lens, with_bad
 from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.gross_errors import gross_errors
 from bayescal.comparison.lenses.judging import judge_lenses, plausible_others
@@ -48,6 +50,7 @@ from bayescal.points.views.views import Views
 PROBABLE = 1e-3  # lenses less probable than this are not looked at view by view
 MOST_LOOKED_AT = 6
 FEW = 0.1  # effective share of draws: a rival with fewer is weighed again
+TURNS = 3  # of judging all lenses at most, until the points that are bad stay the same
 REACH = 5.0  # nat: a lens that is further below the best is no rival
 
 Progress = Callable[[str], None]
@@ -87,16 +90,8 @@ def compare_lenses(
 def _compared(
     views: Views, request: LensRequest, settings: Settings, progress: Progress, store: Store
 ) -> LensComparison:
-    sweep = Sweep(views, request, level_of(settings), store.once)
+    sweep, judged = _swept(views, request, settings, progress, store)
     setting = sweep.setting
-    if degrees(sweep.data) <= 12:
-        raise InputError(
-            f"{views.source}: {views.n_points} points in {len(views)} views leave nothing to "
-            "judge a lens by; add views or points"
-        )
-    judged = judge_all(sweep, store, settings, lambda key: progress(str(key)))
-    if not judged:
-        raise InputError("calibrate: no lens can see all points of these views")
     lenses, unmet = _parted(_sought(judged, setting, request, settings, store, progress))
     if not lenses:
         raise InputError(
@@ -112,18 +107,47 @@ def _compared(
     lenses = _apart(lenses, setting, drawn, settings.seed)
     found: dict[str, Any] = {
         "views": views, "setting": setting, "lenses": lenses, "drawn": drawn, "gross": gross,
+        "bad": _bad(lenses, sweep, views),
         "places": places(lenses, setting.data, drawn.covariance, drawn.halves),
         "impossible": tuple(sweep.impossible),
         "failures": tuple(dict.fromkeys([*sweep.failures, *unmet])),
     }  # fmt: skip
+    bad = found["bad"].words(views.n_points) if found["bad"] is not None else ""
     return LensComparison(
         **found,
-        verdict=judge_lenses(lenses, lens_findings(Evidenced(**found))),
+        verdict=judge_lenses(lenses, lens_findings(Evidenced(**found)), bad),
         notes=(*view_notes(views), *size_notes(views)),
         request=request,
         settings=settings,
         derived=store.derived,
     )
+
+
+def _swept(
+    views: Views, request: LensRequest, settings: Settings, progress: Progress, store: Store
+) -> tuple[Sweep, tuple[JudgedLens, ...]]:
+    """Judge all lenses; anew where other points are bad than was thought."""
+    bad: tuple[int, ...] | None = None
+    for turn in range(TURNS):
+        tag = f" {turn + 1}" if turn else ""
+        if request.mixture and not turn:
+            progress("bad points")
+        sweep = Sweep(views, request, level_of(settings), store.once, bad, tag)
+        if degrees(sweep.data) <= 12:
+            raise InputError(
+                f"{views.source}: {views.n_points} points in {len(views)} views leave nothing to "
+                "judge a lens by; add views or points"
+            )
+        judged = judge_all(sweep, store, settings, lambda key: progress(str(key)))
+        if not judged:
+            raise InputError("calibrate: no lens can see all points of these views")
+        best = max(judged, key=lambda j: j.log_evidence)
+        if best.mixed is None:
+            break
+        bad = tuple(np.flatnonzero(best.mixed.sets.likely).tolist())
+        if bad == sweep.bad:
+            break
+    return sweep, judged
 
 
 def _sought(
@@ -147,7 +171,8 @@ def _sought(
         if found.estimate.error >= one.log_evidence_error:
             continue
         evidence = LensEvidence.of(found, one.model, setting)
-        out[number] = judged_lens(one.candidate, one.model, one.fit, setting, evidence)
+        weighed = judged_lens(one.candidate, one.model, one.fit, setting, evidence)
+        out[number] = with_bad(weighed, one.mixed)
     return out
 
 
@@ -187,6 +212,12 @@ def _looked_at(lenses: tuple[JudgedLens, ...], store: Store) -> tuple[JudgedLens
             if found is not None:
                 out[rank] = replace(judged, loo=found[0], without=found[1])
     return tuple(out)
+
+
+def _bad(lenses: Sequence[JudgedLens], sweep: Sweep, views: Views) -> Bad | None:
+    """Name the points that may be bad."""
+    known = [(j.mixed.sets, j.probability) for j in lenses if j.mixed is not None]
+    return bad_points(known, sweep.bad, views) if known else None
 
 
 def _apart(

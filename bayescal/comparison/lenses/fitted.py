@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from bayescal.arrays import LOG_2PI
@@ -12,6 +12,7 @@ from bayescal.calibration.fitting.least_squares import Fit, rms
 from bayescal.calibration.judging.judge import LensEvidence, Setting, Weighed, lens_evidence
 from bayescal.calibration.model.error_grid import Node
 from bayescal.calibration.model.lens_model import LensModel
+from bayescal.comparison.lenses.bad.mixture import Mixed, Mixing, mixed
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.comparison.settings import Settings
@@ -30,6 +31,10 @@ class FittedLens:
         Error models to begin from.
     draws : int
         Importance draws.
+    mixing : Mixing or None
+        What lenses share where points may be bad.
+    tag : str
+        Told to what is kept, where lenses are judged again.
     then : callable
         Called with what is judged: a sweep goes on by it.
     """
@@ -41,6 +46,8 @@ class FittedLens:
     setting: Setting
     start: tuple[Node, ...]
     draws: int
+    mixing: Mixing | None
+    tag: str
     then: Callable[[JudgedLens], None]
 
     @property
@@ -50,16 +57,37 @@ class FittedLens:
 
     def judge(self, store: Store, settings: Settings) -> JudgedLens:
         """Weigh its evidence."""
-        found = store.once_of(self.key)("evidence", Weighed, partial(self._weighed, settings.seed))
+        once, seed = store.once_of(self.key), settings.seed
+        found = once(f"evidence{self.tag}", Weighed, partial(self._weighed, seed))
         evidence = LensEvidence.of(found, self.model, self.setting)
         judged = judged_lens(self.candidate, self.model, self.fit, self.setting, evidence)
+        if self.mixing is not None:
+            find = partial(self._mixed, evidence, self.mixing, seed)
+            judged = with_bad(judged, once(f"bad points{self.tag}", Mixed, find))
         self.then(judged)
         return judged
+
+    def _mixed(self, evidence: LensEvidence, mixing: Mixing, seed: int) -> Mixed:
+        rng = self.key.rng(seed, 4)
+        return mixed(self.model, self.fit, evidence, mixing, rng, self.draws)
 
     def _weighed(self, seed: int) -> Weighed:
         rng = self.key.rng(seed)
         fits = self.fit, *self.below
         return lens_evidence(self.model, fits, self.setting, self.start, rng, self.draws)
+
+
+def with_bad(judged: JudgedLens, found: Mixed | None) -> JudgedLens:
+    """Give a lens the evidence of the sets of bad points; of those about the common one anew."""
+    if found is None:
+        return judged
+    if found.common:
+        total = judged.evidence.log_evidence + found.sets.log_share
+        return replace(judged, log_evidence=total, mixed=found)
+    warnings, error = found.warnings, found.error
+    return replace(
+        judged, log_evidence=found.total, log_evidence_error=error, warnings=warnings, mixed=found
+    )
 
 
 def judged_lens(

@@ -11,7 +11,9 @@ from bayescal.comparison.lenses.verdict import TOLERANCE, LensVerdict
 from bayescal.rounding import significant
 
 
-def judge_lenses(lenses: Sequence[JudgedLens], findings: Sequence[Finding]) -> LensVerdict:
+def judge_lenses(
+    lenses: Sequence[JudgedLens], findings: Sequence[Finding], bad: str = ""
+) -> LensVerdict:
     """Form the verdict.
 
     Parameters
@@ -20,6 +22,8 @@ def judge_lenses(lenses: Sequence[JudgedLens], findings: Sequence[Finding]) -> L
         The most probable first.
     findings : sequence of Finding
         What stands against it or limits it.
+    bad : str, optional
+        What is said of bad points.
     """
     best, others = lenses[0], plausible_others(lenses)
     plausible = [best, *others]
@@ -38,7 +42,7 @@ def judge_lenses(lenses: Sequence[JudgedLens], findings: Sequence[Finding]) -> L
         findings=ordered(findings),
         sentences=(),
     )
-    return verdict.with_findings((), _runner_up(lenses, others), _further(verdict))
+    return verdict.with_findings((), _runner_up(lenses, others), _further(verdict), bad)
 
 
 def plausible_others(lenses: Sequence[JudgedLens]) -> list[JudgedLens]:

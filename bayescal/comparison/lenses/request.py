@@ -4,6 +4,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from bayescal.errors import InputError
+
+GAUSSIAN, MIXTURE = NOISES = ("gaussian", "mixture")
+
+
+def checked_noise(name: str) -> str:
+    """Refuse noise that views can't have.
+
+    Raises
+    ------
+    InputError
+    """
+    if name == "student-t":
+        raise InputError(
+            "student-t noise is not offered for views, whose neighbouring points share errors; "
+            "for gross errors take --noise mixture"
+        )
+    if name not in NOISES:
+        raise InputError(f"noise must be {' or '.join(NOISES)}, not {name!r}")
+    return name
+
 
 @dataclass(frozen=True)
 class LensRequest:
@@ -21,6 +42,8 @@ class LensRequest:
         Importance draws of each lens.
     per_view : bool
         Whether each view has a noise level of its own, settled before a lens is judged.
+    noise : str
+        ``"gaussian"``, or ``"mixture"``: each point may also be bad, and anywhere in the image.
     """
 
     lenses: tuple[str, ...] | None = None
@@ -29,3 +52,9 @@ class LensRequest:
     centred: bool = False
     draws: int = 2000
     per_view: bool = False
+    noise: str = GAUSSIAN
+
+    @property
+    def mixture(self) -> bool:
+        """Whether points may be bad."""
+        return self.noise == MIXTURE

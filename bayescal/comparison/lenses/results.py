@@ -20,6 +20,8 @@ from bayescal.comparison.faces import convert
 from bayescal.comparison.faces.face import Lists
 from bayescal.comparison.faces.frames import lenses_frame
 from bayescal.comparison.judged import Judged
+from bayescal.comparison.lenses.bad.mixture import Mixed
+from bayescal.comparison.lenses.bad.points import Bad
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
 from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.place import Place
@@ -66,6 +68,8 @@ class JudgedLens(Judged, convert.Converts):
         The same where the observed points are (their convex hull).
     difference_at_most, inside_at_most : float or None
         What these are at most with 95 % probability; None also of lenses that are excluded.
+    mixed : Mixed or None
+        Sets of bad points over which `log_evidence` is summed, where there may be such.
     """
 
     key: LensKey
@@ -86,6 +90,7 @@ class JudgedLens(Judged, convert.Converts):
     inside: float | None = None
     difference_at_most: float | None = None
     inside_at_most: float | None = None
+    mixed: Mixed | None = None
 
     @property
     def name(self) -> str:
@@ -158,7 +163,10 @@ class Evidenced:
     failures : tuple of str
         Lenses whose fit stayed worse than that of one they contain.
     gross : tuple of GrossError
-        Points further off than the errors allow, the least probable first.
+        Points further off than the errors allow, the least probable first; of those that are
+        not taken for bad.
+    bad : Bad or None
+        Points taken for bad, and others that may be; None where all are taken as good.
     """
 
     views: Views
@@ -169,6 +177,7 @@ class Evidenced:
     drawn: Drawn
     places: tuple[Place, ...]
     gross: tuple[GrossError, ...]
+    bad: Bad | None
 
     @property
     def best(self) -> JudgedLens:

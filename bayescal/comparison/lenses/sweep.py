@@ -7,15 +7,19 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 
+import numpy as np
+
 from bayescal.arrays import Array
 from bayescal.calibration.fitting.least_squares import Fit, carried, least_squares
 from bayescal.calibration.fitting.start import start_fit
 from bayescal.calibration.fitting.view_levels import view_levels
+from bayescal.calibration.judging.bad_points import marked
 from bayescal.calibration.judging.judge import Setting
 from bayescal.calibration.judging.laplace import Level
 from bayescal.calibration.model.error_grid import INDEPENDENT
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.calibration.model.observations import Observations
+from bayescal.comparison.lenses.bad.mixture import Marks, Mixing, first_set, without
 from bayescal.comparison.lenses.candidates import (
     LARGEST_FISHEYE,
     LARGEST_RADIAL,
@@ -52,33 +56,67 @@ class Sweep:
         What is known of sigma.
     once : callable, optional
         Has what takes long from where it is kept.
+    bad : tuple of int, optional
+        Places of bad points, without which lenses are judged, where there may be such; found by
+        flexible lenses by default.
+    tag : str, optional
+        Told to what is kept, where lenses are judged again.
 
     Attributes
     ----------
     setting : Setting
         What all lenses share.
+    bad : tuple of int
+        Places of the points without which lenses are judged.
+    mixing : Mixing or None
+        The same of all points, where some may be bad.
     impossible : list of str
         Lenses that can't see some point.
     failures : list of str
         Lenses whose fit stayed worse than that of one they contain.
     """
 
-    def __init__(self, views: Views, request: LensRequest, level: Level, once: Once = now) -> None:
-        size = image_size(views)
-        self.request, self._once = request, once
-        self.data = Observations.from_views(views, size)
+    def __init__(
+        self,
+        views: Views,
+        request: LensRequest,
+        level: Level,
+        once: Once = now,
+        bad: tuple[int, ...] | None = None,
+        tag: str = "",
+    ) -> None:
+        self.request, self._once, self._tag = request, once, tag
+        self.data = Observations.from_views(views, image_size(views))
+        if request.mixture and bad is None:
+            bad = once("bad points", tuple[int, ...], partial(self._first_bad, level))
+        self.bad = bad or ()
+        points = marked(self.bad, self.data.which.shape)
         if request.per_view:
-            levels = once("noise of views", Array, self._levels)
+            levels = once(f"noise of views{tag}", Array, partial(self._levels, points))
             self.data = self.data.with_levels(levels)
+        whole = Setting.of(self.data, level, independent=request.independent)
+        self.mixing = Mixing(whole, points) if request.mixture else None
+        self.setting = without(whole, points) if self.bad else whole
+        self.data = self.setting.data
         self.impossible: list[str] = []
         self.failures: list[str] = []
-        self.setting = Setting.of(self.data, level, independent=request.independent)
         self._start = self.setting.grid.starts
         self._fits: dict[str, tuple[LensModel, Fit]] = {}
         self._evidence: dict[str, float] = {}
 
-    def _levels(self) -> Array:
-        return view_levels(self.data, self._models(FLEXIBLE))
+    def _levels(self, points: Marks) -> Array:
+        return view_levels(self.data.without(points), self._models(FLEXIBLE))
+
+    def _first_bad(self, level: Level) -> tuple[int, ...]:
+        """Find bad points by lenses that have terms enough; the noise of views without them."""
+        models, data = self._models(FLEXIBLE), self.data
+        points = marked((), data.which.shape)
+        for levelled in (False, True)[: 1 + self.request.per_view]:
+            if levelled:
+                data = data.with_levels(self._levels(points))
+            whole = Setting.of(data, level, independent=self.request.independent)
+            points = first_set(models, whole, points)
+        return tuple(np.flatnonzero(points).tolist())
 
     def _models(self, names: Sequence[str]) -> list[LensModel]:
         return [self._model(candidate) for candidate in named_candidates(names)]
@@ -118,7 +156,7 @@ class Sweep:
             model = self._model(candidate)
             below = self._below(candidate, model)
             lowest = min((f.sum_of_squares for f in below), default=math.inf) * (1 + WORSE)
-            name = f"{LensKey(name=candidate.name).file()} fit"
+            name = f"{LensKey(name=candidate.name).file()} fit{self._tag}"
             fit = self._once(name, Fit, partial(self._fit, model, below, lowest))
             if fit.sum_of_squares > lowest:
                 self.failures.append(candidate.name)
@@ -134,6 +172,8 @@ class Sweep:
                 self.setting,
                 self._start,
                 self.request.draws,
+                self.mixing,
+                self._tag,
                 self._judged,
             )
 

@@ -32,7 +32,8 @@ def lens_camera(found: LensComparison) -> CalibratedCamera:
     plausible = [j for j in found.lenses if j.name in found.verdict.plausible][:MOST]
     children = np.random.default_rng([found.settings.seed, 2]).spawn(len(plausible))
     data, views = found.setting.data, found.views
-    hull, seen = hull_of(views.pixels), thinned(data.pixels[data.seen], ALIGNED)
+    pixels = data.pixels[data.seen]
+    hull, seen = hull_of(pixels), thinned(pixels, ALIGNED)
     members: list[LensMember] = []
     for judged, rng in zip(plausible, children, strict=True):
         theta = _lens_draws(found, judged, rng)

@@ -6,10 +6,12 @@ from dataclasses import asdict
 from typing import Any
 
 from bayescal.arrays import finite
+from bayescal.comparison.lenses.bad.points import BadPoint
 from bayescal.comparison.lenses.judging import plausible_others, widest
 from bayescal.comparison.lenses.prediction import PROBABILITY
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.lenses.verdict import TOLERANCE
+from bayescal.points.views.views import Views
 from bayescal.report.document.shared import (
     covariance_facts,
     evidence_facts,
@@ -55,7 +57,8 @@ def lenses_document(found: LensComparison, command: str, *, whole: bool = True) 
         },
         "report": views.heading.facts,
         "noise": {
-            "kind": "gaussian",
+            "kind": found.request.noise,
+            "bad_fraction": None if found.bad is None else found.bad.fraction,
             "sigma_px": found.setting.level.sigma,
             "view_levels": None if levels is None else levels.tolist(),
             "independent": not (found.setting.grid.correlated or found.setting.grid.offsets),
@@ -91,6 +94,7 @@ def lenses_document(found: LensComparison, command: str, *, whole: bool = True) 
             }
             for point in found.gross
         ],
+        "bad_points": None if found.bad is None else [_bad(p, views) for p in found.bad.points],
         "verdict": {
             "best": verdict.best,
             "plausible": list(verdict.plausible),
@@ -110,6 +114,17 @@ def lenses_document(found: LensComparison, command: str, *, whole: bool = True) 
     }
 
 
+def _bad(point: BadPoint, views: Views) -> dict[str, Any]:
+    return {
+        "view": point.view,
+        "point": point.label,
+        "line": None if views.lines is None else views.lines[point.point],
+        "shift_px": [finite(v) for v in point.shift],
+        "probability": point.probability,
+        "left_out": point.left_out,
+    }
+
+
 def _lens(judged: JudgedLens, found: LensComparison, *, whole: bool) -> dict[str, Any]:
     estimate, lost = judged.evidence.estimate, judged.loo
     values = judged.model.report(judged.fit.x, found.setting.data.diagonal).tolist()
@@ -125,6 +140,7 @@ def _lens(judged: JudgedLens, found: LensComparison, *, whole: bool) -> dict[str
         "least_squares": dict(zip(judged.model.names, values, strict=True)),
         "log_evidence": judged.log_evidence,
         "log_evidence_error": finite(judged.log_evidence_error),
+        **({} if judged.mixed is None else {"bad_points": len(judged.mixed.sets.places)}),
         "effective_fraction": estimate.effective_fraction,
         "pareto_k": finite(estimate.pareto_k),
         "evidence_warnings": list(estimate.warnings),

@@ -69,6 +69,23 @@ class Dense:
         )
         return float(squares[0]), (found / size)[-2:]
 
+    def log_integral(self, problem: Problem, *gone: tuple[int, int]) -> float:
+        """Log of the integral over lens, poses, offsets and sigma without some points."""
+        rows = np.ones(len(self.residuals), dtype=bool)
+        for view, place in gone:
+            at = 2 * (view * self.places + place)
+            rows[[at, at + 1]] = False
+        covariance = self.covariance[rows][:, rows]
+        design, left = self.design[rows] / np.linalg.norm(self.design, axis=0), self.residuals[rows]
+        weighed = np.linalg.solve(covariance, np.column_stack([design, left]))
+        precision = design.T @ weighed[:, :-1]
+        pull = design.T @ weighed[:, -1]
+        squares = left @ weighed[:, -1] - pull @ np.linalg.solve(precision, pull)
+        log_det = np.linalg.slogdet(covariance)[1] + np.linalg.slogdet(precision)[1]
+        level = problem.level.log_density(np.array([squares]), len(left) - design.shape[1])
+        weights = np.log(problem.data.weight.ravel()[rows]).sum()
+        return float(level[0] - log_det / 2 + weights)
+
 
 @pytest.mark.parametrize("error", ERRORS)
 @pytest.mark.parametrize("sigma", [None, 0.3])
@@ -148,3 +165,36 @@ def test_good_points_are_called_bad_as_often_as_the_level_says() -> None:
     for level in (0.2, 0.05):
         rate, error = np.mean(np.array(least) < np.log(level)), np.sqrt(level / draws)
         assert 1 - np.exp(-level) - 3 * error < rate < level + 3 * error
+
+
+@pytest.mark.parametrize("error", ERRORS)
+@pytest.mark.parametrize("sigma", [None, 0.3])
+def test_what_the_others_predict_of_a_point_is_a_ratio_of_integrals(
+    error: ErrorModel, sigma: float | None
+) -> None:
+    """Truth: integrals over lens, poses and offsets by dense matrices, with the point and without.
+
+    Points that have their shift are left out of both but for one of them.
+    """
+    problem = weighted(error, Level(sigma))
+    dense, found = Dense(problem), FreePoints(problem)
+    out: list[tuple[int, int]] = []
+    whole = dense.log_integral(problem)
+    for at in AT:
+        found.release(*at)
+        out.append(at)
+        left = dense.log_integral(problem, *out)
+        shifts, log_density = found.released()
+        for one, shift, value in zip(out, shifts, log_density, strict=True):
+            back = dense.log_integral(problem, *(other for other in out if other != one))
+            assert value == pytest.approx(back - left, abs=1e-6)
+            _, expected = dense.fit(*(other for other in out if other != one), one)
+            assert shift == pytest.approx(expected / problem.data.weight[one], rel=1e-6)
+    fresh = FreePoints(problem)
+    assert fresh.log_density()[AT[0]] == pytest.approx(
+        whole - dense.log_integral(problem, AT[0]), abs=1e-6
+    )
+    assert np.isnan(found.log_density()[AT[0]])
+    other = (1, 7)
+    expected = dense.log_integral(problem, *out) - dense.log_integral(problem, *out, other)
+    assert found.log_density()[other] == pytest.approx(expected, abs=1e-6)

@@ -12,6 +12,7 @@ from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import GRAVE
 from bayescal.comparison.lenses.caveats.bounds import sigma_bound, tau_bound
+from bayescal.comparison.lenses.caveats.gross import many_bad, points_off
 from bayescal.comparison.lenses.caveats.views import (
     by_place,
     cover,
@@ -19,7 +20,6 @@ from bayescal.comparison.lenses.caveats.views import (
     few_views,
     loud_views,
     parallel,
-    points_off,
     sigma_unusual,
     undetermined,
     wider,
@@ -162,6 +162,7 @@ FINDINGS: tuple[Callable[[Evidenced], Finding | None], ...] = (
     failed,
     chi_squared,
     points_off,
+    many_bad,
     few_views,
     parallel,
     undetermined,

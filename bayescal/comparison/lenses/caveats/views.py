@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
-from collections import Counter
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
@@ -13,7 +11,6 @@ from scipy.special import stdtr
 from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import BECAUSE, GRAVE
-from bayescal.comparison.lenses.gross_errors import MOST
 from bayescal.comparison.lenses.results import Evidenced
 from bayescal.comparison.orders.weak import PART
 from bayescal.rounding import counted, significant
@@ -21,7 +18,6 @@ from bayescal.rounding import counted, significant
 USUAL_SIGMA = (0.05, 0.3)  # px: of corner detectors
 FEW_VIEWS = 5
 LOUD = 2.0  # times the usual residuals: a view that stands out
-TOLD = 3  # points, or views, that are named
 CELLS = (4, 3)
 NOTICEABLE = 0.05  # px
 PARALLEL = 8.0  # degrees that normals of planes should differ by at least
@@ -96,39 +92,6 @@ def loud_views(basis: Evidenced) -> Finding | None:
     return limits(
         "loud-views",
         f"residuals of some views are far above the usual: {names}; see what is wrong there",
-    )
-
-
-def points_off(basis: Evidenced) -> Finding | None:
-    """Name points that the error model can't explain, or views most of whose points are so."""
-    off = basis.gross
-    if not off:
-        return None
-    of_view = Counter(point.view for point in off)
-    counts = dict(zip(basis.views.names, basis.views.counts.tolist(), strict=True))
-    named = {}
-    for point in off:
-        if 2 * of_view[point.view] > counts[point.view]:
-            own = f"view {point.view} ({of_view[point.view]} of its {counts[point.view]} points)"
-            named[own] = point.view
-        else:
-            where = f" ({point.place})" if basis.views.lines is not None else ""
-            size = significant(point.size)
-            named[f"view {point.view} point {point.label}{where} by {size} px"] = point.name
-    told = list(named)[:TOLD]
-    more = f" and {len(named) - len(told)} more" if len(named) > len(told) else ""
-    one = len(off) == 1
-    least = "at least " if len(off) == MOST else ""
-    return overturns(
-        "gross-errors",
-        f"{least}{len(off)} of {basis.views.n_points} points {'is' if one else 'are'} further from "
-        f"where all the others put {'it' if one else 'them'} than the errors allow (p < 0.01 over "
-        f"all points): {'; '.join(told)}{more}; look at the photograph{'' if one else 's'}, mend "
-        f"{'it' if one else 'them'} or leave {'it' if one else 'them'} out: --without "
-        f"{shlex.quote(next(iter(named.values())))}",
-        "a point is further off than the errors allow"
-        if one
-        else f"{least}{len(off)} points are further off than the errors allow",
     )
 
 

@@ -151,6 +151,23 @@ def gross_table(found: LensComparison) -> Table:
     return Table(columns, tuple(rows))
 
 
+def bad_table(found: LensComparison, most: int) -> Table:
+    """Table of a row per point that is bad or may be, the `most` likely ones."""
+    lines, bad = found.views.lines is not None, found.bad
+    columns = (
+        Column("point", "as --without takes it"), *([Column("line", "of the file")] * lines),
+        Column("r", "observed less where the good points put it, px"), Column("c", "the same"),
+        Column("off", "distance, px"), Column("bad", "probability"),
+    )  # fmt: skip
+    rows = []
+    for point in () if bad is None else bad.points[:most]:
+        place = [Cell(point.place)] if lines else []
+        sizes = (number_cell(v, lambda x: f"{x:.2f}") for v in (*point.shift, point.size))
+        chance = Cell(percent(point.probability), point.probability)
+        rows.append((Cell(point.name), *place, *sizes, chance))
+    return Table(columns, tuple(rows))
+
+
 def views_table(found: LensComparison) -> Table:
     """Table of a row per view."""
     data, lost = found.setting.data, found.best.loo

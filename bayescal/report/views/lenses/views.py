@@ -23,6 +23,7 @@ from bayescal.report.blocks import (
 from bayescal.report.views.covariance import covariance_tabled
 from bayescal.report.views.lenses.tables import (
     SHOWN,
+    bad_table,
     gross_table,
     lenses_table,
     parameters_table,
@@ -44,9 +45,10 @@ from bayescal.report.views.lenses.words import (
 from bayescal.report.views.maps import map_section
 from bayescal.report.views.views import Views
 from bayescal.report.views.words import distrust, doubts, verdict_blocks
-from bayescal.rounding import significant
+from bayescal.rounding import counted, significant
 
 UNSOUND = "draws did not converge, or an evidence should not be trusted."
+SHOWN_BAD = 20  # points in print
 CAPTIONS = {
     "evidence": "Log evidence over the number of radial coefficients, below the best lens; "
     "dashed: odds of 20 to 1. On the right lenses that have one order alone.",
@@ -67,6 +69,7 @@ def brief(found: LensComparison) -> Blocks:
         Facts(tuple(assumed(found))),
         lenses(found),
         *verdict_blocks(found.verdict, "Verdict"),
+        *bad(found, SHOWN_BAD),
         *gross(found),
         parameters(found),
         places(found),
@@ -86,6 +89,25 @@ def parameters(found: LensComparison) -> Tabled:
     notes = (parameters_note(found), *weak_words(found))
     caption = f"Posterior of {found.best.name}."
     return Tabled("lens-parameters", caption, parameters_table(found), notes)
+
+
+def bad(found: LensComparison, most: int | None = None) -> Blocks:
+    """Show the points that are taken for bad, or may be, where there are any."""
+    if found.bad is None or not found.bad.points:
+        return ()
+    points = found.bad.points
+    most = len(points) if most is None else most
+    notes = [
+        "r, c: observed less where the good points put them, px; bad: probability, the lenses "
+        "averaged. Residuals, RMS, dBIC, elpd and draws are without those that are rather bad; ln "
+        "Z is of all points, summed over which are bad."
+    ]
+    if len(points) > most:
+        notes.append(f"{len(points) - most} more, less probable or nearer: --json has them.")
+    caption = "Points that are bad, or may be."
+    folded = f"{counted(most, 'point')} that may be bad" if most > SHOWN_BAD else ""
+    table = bad_table(found, most)
+    return (Tabled("bad-points", caption, table, tuple(notes), folded=folded),)
 
 
 def gross(found: LensComparison) -> Blocks:
@@ -153,7 +175,7 @@ def residuals_section(found: LensComparison) -> Section:
     """Show what is left over, in the image and view by view."""
     table = Tabled("views", "Residuals of each view.", views_table(found))
     by_view = Part("View by view", (_figure(found, "views"), table))
-    blocks = (_figure(found, "vectors"), *gross(found), by_view)
+    blocks = (_figure(found, "vectors"), *bad(found), *gross(found), by_view)
     lead = "A pattern in the image is a shape that the lens lacks."
     return Section("residuals", "What is left over", lead, blocks)
 

@@ -42,6 +42,11 @@ def assumed(found: LensComparison) -> list[tuple[str, str]]:
             noise += f"; views of their own levels, {low} to {high} times it, from residuals"
     else:
         noise = f"Gaussian, sigma {level:g}{' times those stated' if factor else ' px'}"
+    if found.bad is not None:
+        noise += (
+            "; or bad: each point with a probability uniform on 0 to 1 (posterior mean "
+            f"{percent(found.bad.fraction)}), then anywhere in the image"
+        )
     if found.setting.grid.correlated or found.setting.grid.offsets:
         errors = f"settled before a lens is judged: {error_words(found)}"
     else:

@@ -1,0 +1,117 @@
+"""Bad points by name, with how probable that is under all lenses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bayescal.calibration.judging.bad_points import BadPoints
+from bayescal.points.views.views import Views
+from bayescal.rounding import significant
+
+TOLD = 0.05  # probability: points less likely bad are not listed
+
+
+@dataclass(frozen=True)
+class BadPoint:
+    """A point that is bad, or may be.
+
+    Attributes
+    ----------
+    point : int
+        Row of the views, from 0.
+    view, label : str
+        As `Views.without` takes them.
+    place : str
+        File and line, or view and point.
+    shift : tuple of float
+        Observed less where the good points put it, r and c, px.
+    probability : float
+        Of being bad, the lenses averaged.
+    left_out : bool
+        Whether lenses are drawn, and residuals taken, without it.
+    """
+
+    point: int
+    view: str
+    label: str
+    place: str
+    shift: tuple[float, float]
+    probability: float
+    left_out: bool
+
+    @property
+    def size(self) -> float:
+        """How far it is off, px."""
+        return math.hypot(*self.shift)
+
+    @property
+    def name(self) -> str:
+        """As `--without` takes it."""
+        return f"{self.view}:{self.label}"
+
+
+@dataclass(frozen=True)
+class Bad:
+    """Points that are taken for bad, or may be.
+
+    Attributes
+    ----------
+    points : tuple of BadPoint
+        The likeliest first, then the farthest.
+    fraction : float
+        Of bad points, posterior mean.
+    """
+
+    points: tuple[BadPoint, ...]
+    fraction: float
+
+    def words(self, n: int) -> str:
+        """Say how many of `n` points are taken for bad."""
+        gone = self.left_out
+        if not gone:
+            return f"No point of {n} is taken for bad."
+        worst = max(gone, key=lambda point: point.size)
+        what = f"{worst.name}, off by {significant(worst.size)} px"
+        if len(gone) == 1:
+            return f"1 of {n} points is taken for bad and left out: {what}."
+        return f"{len(gone)} of {n} points are taken for bad and left out, the farthest {what}."
+
+    @property
+    def left_out(self) -> tuple[BadPoint, ...]:
+        """Those without which lenses are drawn."""
+        return tuple(point for point in self.points if point.left_out)
+
+
+def bad_points(
+    lenses: Sequence[tuple[BadPoints, float]], common: Sequence[int], views: Views
+) -> Bad:
+    """Name points that may be bad.
+
+    Parameters
+    ----------
+    lenses : sequence of tuple
+        Sets of bad points under each lens, and its probability; the best first.
+    common : sequence of int
+        Places without which all lenses are judged.
+    """
+    sets, probabilities = zip(*lenses, strict=True)
+    weights = np.array(probabilities) / math.fsum(probabilities)
+    chance = np.einsum("l,lvn->vn", weights, np.array([s.chance for s in sets]))
+    fraction = float(weights @ [s.fraction for s in sets])
+    gone, n_places = frozenset(common), chance.shape[1]
+    told = sorted({*np.flatnonzero(chance > TOLD).tolist(), *gone})
+    found = []
+    for place in told:
+        view, at = divmod(place, n_places)
+        point = views.slices[view].start + at
+        r, c = sets[0].shift[view, at].tolist()
+        label, where = views.label(point), views.place(point)
+        chances = float(chance[view, at])
+        found.append(
+            BadPoint(point, views.names[view], label, where, (r, c), chances, place in gone)
+        )
+    return Bad(tuple(sorted(found, key=lambda p: (-round(p.probability, 3), -p.size))), fraction)
