@@ -36,13 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "noise level: px, inferred, or per-view: each view its own (inferred)",
         shared.level_or("inferred", "replicates", "scale", "per-view"),
     )
-    model.add_argument(
+    option(
+        model,
         "--noise",
-        type=_noise,
+        "gaussian; or mixture: each point may also be bad, and anywhere in the image, for corners "
+        "taken for others (gaussian)",
+        _noise,
         choices=NOISES,
         default=NOISES[0],
-        help="gaussian; or mixture: each point may also be bad, and anywhere in the image, for "
-        "corners taken for others (gaussian)",
     )
     run = parser.add_argument_group("run")
     option(run, "--seed N", "of all randomness (0)", int, default=0)
