@@ -10,6 +10,7 @@ from scipy.special import logsumexp
 import bayescal as bc
 from bayescal.comparison.choosing import noise_level, prior_rule
 from bayescal.comparison.settings import Settings
+from bayescal.linear.attenuation import attenuation, bent_by_errors
 from bayescal.linear.closed_form import exact_posterior
 from bayescal.linear.effective_variance import with_effective_deviations, world_errors
 from bayescal.linear.least_squares import factorise, solve
@@ -17,6 +18,7 @@ from bayescal.linear.model import LinearModel
 from bayescal.linear.quadrature import clenshaw_curtis
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.level import NoiseLevel
+from bayescal.polynomials.basis import legendre_design
 from bayescal.polynomials.separable import axis_data
 
 TRUTH = np.array([986.0, 1066.0, -23.0, -96.0, 203.0])  # px, near the thesis's r
@@ -206,3 +208,39 @@ def test_the_readmes_setup_runs_with_default_settings_and_is_kept(thesis, tmp_pa
     assert again["r"].verdict.text == result["r"].verdict.text
     assert again["r"][4].log_evidence == result["r"][4].log_evidence
     assert again["r"].noise_model.name == "gaussian-world"
+
+
+def test_what_errors_take_of_a_straight_line_is_the_reliability_ratio(thesis):
+    """Truth: -slope s² / var(x) to second order, as Fuller's s² / (var(x) + s²) is."""
+    data = axis_data(with_errors(thesis, 0.0, 0.0, 0.0), "r")
+    data = dataclasses.replace(data, x_sd=np.full(57, 0.01))
+    off, _ = bent_by_errors(data, np.full(57, 3.0), np.array([960.0, 700.0]))
+    assert off[1] == pytest.approx(-700 * 0.01**2 / np.var(data.x), rel=1e-9)
+    found = attenuation(data, np.full(57, 3.0), np.array([960.0, 700.0]))
+    edge = abs(off[0] + off[1])  # where it is most, of all places
+    assert abs(found.shift) >= edge * (1 - 1e-9)
+
+
+@pytest.mark.parametrize("error", [2.0, 20.0])
+def test_what_errors_take_of_a_curve_is_foretold(thesis, error):
+    """Truth: the mean of 300 fits at measured places less the true curve, 4 standard errors."""
+    rng, n = np.random.default_rng(int(error)), 57
+    true = axis_data(thesis, "r").x
+    sd, at = error / TRUTH[1], np.array([-0.55, -0.2, 0.3, 0.55])
+    pixel, curve = (np.polynomial.polynomial.polyval(x, TRUTH) for x in (true, at))
+    setup = bc.Setup(width=1920.0, height=1080.0, world_sigma=(sd, 0.0, 0.0))
+    differences, foretold = [], []
+    for _ in range(300):
+        read = np.column_stack([true + rng.normal(0, sd, n), np.zeros(n), np.ones(n)])
+        pixels = np.column_stack([pixel + rng.normal(0, PIXEL_SIGMA, n), np.zeros(n)])
+        points = bc.Correspondences.from_arrays(read, pixels, setup=setup)
+        data = noise_level(axis_data(points, "r"), Settings(sigma=PIXEL_SIGMA), None, 4).data
+        fit = solve(factorise(data, 4), 4, 1.0)
+        off, _ = bent_by_errors(data, data.sd, fit.amplitudes)
+        shift = legendre_design(data.domain.scale(at), 4) @ off
+        foretold.append(shift)
+        differences.append(np.polynomial.polynomial.polyval(at, fit.coefficients) - curve - shift)
+    error_of_mean = np.std(differences, axis=0) / np.sqrt(300)
+    assert (np.abs(np.mean(differences, axis=0)) < 4 * error_of_mean).all()
+    largest = np.abs(np.mean(foretold, axis=0)) / error_of_mean
+    assert (largest.max() > 5) == (error > 5)  # control: without it the mean would be off

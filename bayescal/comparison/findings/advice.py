@@ -15,6 +15,7 @@ ADVICE = {
     "edge": "compare more orders (--orders, --radial-orders)",
     "sigma-bound": "check the unit of the readings and the image size",
     "tau-bound": "check the image size, or state tau",
+    "world-errors": "measure the world points better: their errors flatten the curve",
     "draws": "report this: the program disagrees with itself",
     "misfit: chi2": "check the stated sigma against --sigma inferred",
     "misfit: lack of fit": OTHER_MODELS,

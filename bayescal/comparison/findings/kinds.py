@@ -8,6 +8,7 @@ from bayescal.comparison.finding import Finding, ordered
 from bayescal.comparison.findings.bounds import at_bounds
 from bayescal.comparison.findings.case import Case
 from bayescal.comparison.findings.edge import edge
+from bayescal.comparison.findings.flattened import flattened
 from bayescal.comparison.findings.misfit import misfit
 from bayescal.comparison.findings.sampling import sampled, sampling
 from bayescal.comparison.findings.surroundings import geometry
@@ -17,6 +18,7 @@ KINDS: tuple[Callable[[Case], Iterator[Finding]], ...] = (
     misfit,
     edge,
     at_bounds,
+    flattened,
     sampling,
     sampled,
 )
