@@ -225,8 +225,7 @@ class MovingAxis:
         The coefficients integrate out of it (`bayescal.comparison.criteria.leave_one_out`); -inf
         where nothing but the point itself determines its prediction.
         """
-        design, t = self.design(position), self.data.t
-        sd = np.ones(len(t)) if self.data.sd is None else self.data.sd
+        design, t, sd = self.design(position), self.data.t, self.data.deviations
         d, w, to_b = self._projected(self.reduced(position), log_tau)
         rows = (design / sd[:, None]) @ to_b
         variance = np.exp(2 * log_sigma)[:, None]

@@ -148,8 +148,7 @@ def linearised(axis: MovingAxis, position: Array, *, slopes: bool = True) -> tup
         can't follow (Kaufman 1975, BIT 15, 49). The slope of the sum of squares, 2 e' times it,
         is exact; empty without slopes.
     """
-    sd = np.ones(len(axis.world)) if axis.data.sd is None else axis.data.sd
-    step = 1e-30
+    sd, step = axis.data.deviations, 1e-30
     places = position + step * 1j * np.eye(3) if slopes else position[None]
     moved = axis.design(places) / sd[:, None]
     q, r = np.linalg.qr(moved[0].real)

@@ -104,11 +104,7 @@ def factorise(data: AxisData, order: int) -> Factorisation:
     data.check(order)
     if data.whole is not None:
         return _leading(data, data.whole, order)
-    augmented = np.column_stack([data.design(order), data.t])
-    log_sd = 0.0
-    if data.sd is not None:
-        augmented /= data.sd[:, None]
-        log_sd = float(np.log(data.sd).sum())
+    augmented = data.weighted(order)
     triangle = np.linalg.qr(augmented, mode="r")
     size = data.columns(order)
     _check_determined(data, triangle[:size, :size], order)
@@ -119,7 +115,7 @@ def factorise(data: AxisData, order: int) -> Factorisation:
         tail,
         len(data),
         float(np.abs(augmented[:, -1]).max()),
-        log_sd,
+        float(np.log(data.deviations).sum()),
         data.monomials(order),
     )
 

@@ -46,13 +46,8 @@ class Rows:
     @classmethod
     def of(cls, data: AxisData, order: int) -> Rows:
         """Factorise an axis at the highest order wanted."""
-        augmented = np.column_stack([data.design(order), data.t])
-        log_sd = np.zeros(len(data))
-        if data.sd is not None:
-            augmented /= data.sd[:, None]
-            log_sd = np.log(data.sd)
-        q, r = np.linalg.qr(augmented)
-        return cls(q, r, log_sd, data.monomials(order))
+        q, r = np.linalg.qr(data.weighted(order))
+        return cls(q, r, np.log(data.deviations), data.monomials(order))
 
     def without(self, members: Array) -> DataSets:
         """Leave out points: one data set for each row of `members`.

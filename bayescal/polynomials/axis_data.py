@@ -143,6 +143,10 @@ class AxisData:
             return tuple(range(order + 1))
         return tuple(i + j for i, j in powers(order))
 
+    def weighted(self, order: int) -> Array:
+        """Give [design | pixels] over the deviations, ``(n_points, n_coefficients + 1)``."""
+        return np.column_stack([self.design(order), self.t]) / self.deviations[:, None]
+
     def design(self, order: int) -> Array:
         """Design matrix of an order in its Legendre basis, ``(n_points, columns)``."""
         s = self.domain.scale(self.x)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 
@@ -102,3 +102,28 @@ def number_cell(value: float | None, form: Callable[[float], str]) -> Cell:
 def plain_table(heads: Sequence[str], rows: Sequence[tuple[Cell, ...]]) -> Table:
     """Make a table whose heads say all."""
     return Table(tuple(map(Column, heads)), tuple(rows))
+
+
+def answers_table(
+    columns: Sequence[str | Column],
+    names: Iterable[tuple[Cell, ...]],
+    cells: Callable[[int], Iterable[Cell] | None],
+    remarks: Sequence[str],
+    spare: Sequence[str] = (),
+) -> Table:
+    """Make a table of a row per answer, as many as there are remarks, which end the rows.
+
+    Parameters
+    ----------
+    names : iterable of tuple of Cell
+        What each row begins with.
+    cells : callable
+        From a row's number to its answer; None where there is none.
+    """
+    heads = tuple(c if isinstance(c, Column) else Column(c) for c in columns)
+    rows = []
+    for i, (name, remark) in enumerate(zip(names, remarks, strict=False)):
+        answer = cells(i)
+        blank = [Cell("")] * (len(heads) - len(name) - 1)
+        rows.append((*name, *(blank if answer is None else answer), Cell(remark)))
+    return Table(heads, tuple(rows), spare=tuple(spare))

@@ -91,8 +91,7 @@ def leave_one_out(data: AxisData, exact: ExactPosterior) -> LeaveOneOut | None:
         None where the posterior without a point does not exist (a flat prior and no
         degree of freedom to spare).
     """
-    n, order = len(data), exact.model.order
-    design, sd = data.design(order), np.ones(n) if data.sd is None else data.sd
+    design, sd = data.design(exact.model.order), data.deviations
     found = Leaving.of(exact, design, sd).terms(design, data.t, sd)
     if found is None:
         return None

@@ -14,8 +14,7 @@ from bayescal.polynomials.axis_data import AxisData
 def gaussian_density(data: AxisData, exact: ExactPosterior) -> Callable[[Array], Array]:
     """Log density of each pixel given draws of a linear model, ``(n_draws, n_points)``."""
     model = exact.model
-    design = data.design(model.order)
-    sd = data.sd if data.sd is not None else np.ones(len(data))
+    design, sd = data.design(model.order), data.deviations
 
     def density(theta: Array) -> Array:
         if model.infers_sigma:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.changed import Change
-from bayescal.prediction.maps import NAMES
 from bayescal.report.blocks import Blocks, Listing, Prose, Tabled
-from bayescal.report.table import Cell, Table, plain_table
+from bayescal.report.table import Cell, Table, answers_table
+from bayescal.report.views.maps import places_cells, remarks
 from bayescal.report.views.prediction import models_words
 from bayescal.rounding import rounded, significant
 
@@ -36,18 +38,17 @@ def _table(found: Change) -> Table:
     at = found.named
     assert at is not None, "of the whole image"
     heads = ("place", "r", "c", "change in r", "change in c", "size", "sd", "")
-    rows = []
-    for i, name in enumerate(NAMES):
-        r, c = at.places.pixels[i]
-        where = (Cell(name), Cell(f"{r:.4g}"), Cell(f"{c:.4g}"))
+    known = ~np.isnan(at.sd)
+
+    def cells(i: int) -> list[Cell] | None:
+        if not known[i]:
+            return None
         sd = float(at.sd[i])
-        if sd != sd:
-            rows.append((*where, *[Cell("")] * 4, Cell("not seen by both")))
-            continue
         moved = (Cell(rounded(float(v), sd)) for v in (*at.shift[i], at.size[i]))
-        note = "" if at.places.inside[i] else "extrapolated"
-        rows.append((*where, *moved, Cell(significant(sd)), Cell(note)))
-    return plain_table(heads, rows)
+        return [*moved, Cell(significant(sd))]
+
+    notes = remarks(at.places, known, "not seen by both")
+    return answers_table(heads, places_cells(at.places), cells, notes)
 
 
 def _lines(found: Change) -> list[str]:

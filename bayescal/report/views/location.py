@@ -19,8 +19,8 @@ from bayescal.prediction.locate import APART, Location
 from bayescal.prediction.measuring import FEW, SOURCES
 from bayescal.prediction.pairs import Distances
 from bayescal.report.blocks import Blocks, Listing, Tabled
-from bayescal.report.table import Cell, Column, Table, plain_table
-from bayescal.report.views.prediction import SHOWN, clipped, models_words
+from bayescal.report.table import Cell, answers_table
+from bayescal.report.views.prediction import SHOWN, models_words, names_of
 from bayescal.rounding import counted, rounded, significant
 
 SHORT = {NO_SOLUTION: "no solution", NO_MEETING: "no meeting"}
@@ -31,35 +31,25 @@ def location_view(camera: CalibratedCamera, table: PartialTable, found: Location
     """Show points or directions, and what they rest on."""
     flat = found.surface is not None
     names = "xyz" if flat else ("dx", "dy", "dz")
-    columns = (
-        Column("pixel"),
-        *(Column(name) for name in names),
-        *(Column(f"sd {name}") for name in names),
-        *(() if flat else (Column("mrad"),)),
-        Column(""),
-    )
-    remarks, rows = [_short(text) for text in location_remarks(found)], []
-    for i in range(min(len(found), SHOWN)):
-        label = Cell(clipped(table.labels[i]))
+    heads = ["pixel", *names, *(f"sd {name}" for name in names), *(() if flat else ["mrad"]), ""]
+
+    def cells(i: int) -> list[Cell] | None:
         if not found.found[i]:
-            rows.append((label, *[Cell("")] * (len(columns) - 2), Cell(remarks[i])))
-            continue
+            return None
         # What is known exactly, as a stated z is, has the rounding of its sum alone.
         sd = np.where(found.sd[i] > EXACT * np.abs(found.values[i]), found.sd[i], 0.0)
-        angle = () if flat else (Cell(significant(1000 * found.angle[i])),)
-        rows.append(
-            (
-                label,
-                *(Cell(rounded(v, s)) for v, s in zip(found.values[i], sd, strict=True)),
-                *(Cell(significant(s)) for s in sd),
-                *angle,
-                Cell(remarks[i]),
-            )
-        )
+        return [
+            *(Cell(rounded(v, s)) for v, s in zip(found.values[i], sd, strict=True)),
+            *(Cell(significant(s)) for s in sd),
+            *(() if flat else [Cell(significant(1000 * found.angle[i]))]),
+        ]
+
+    remarks = [_short(text) for text in location_remarks(found)[:SHOWN]]
+    shown = answers_table(heads, names_of(table), cells, remarks)
     what = surface_words(found.surface, posed=camera.posed)
     return (
         Listing((f"{counted(len(found), 'pixel')} {what}, {models_words(camera)}",), "about"),
-        Tabled("locations", "Locations.", Table(columns, tuple(rows)), tuple(_lines(found))),
+        Tabled("locations", "Locations.", shown, tuple(_lines(found))),
     )
 
 
@@ -133,24 +123,21 @@ def pair_view(
 ) -> Blocks:
     """Show distances, with a statement for a certificate."""
     heads = ("pair", "distance", "u", "k", "U", *(f"u {name}" for name in SOURCES), "")
-    rows = []
-    remarks = pair_remarks(found)
-    for i in range(min(len(found), SHOWN)):
-        label = Cell(clipped(table.labels[i]))
+
+    def cells(i: int) -> list[Cell] | None:
         if not found.found[i]:
-            rows.append((label, *[Cell("")] * (len(heads) - 2), Cell(remarks[i])))
-            continue
+            return None
         u = float(found.u[i])
-        parts = (Cell(significant(float(found.parts[name][i]))) for name in SOURCES)
-        cells = (
+        return [
             Cell(rounded(float(found.values[i]), u)),
             Cell(significant(u)),
             Cell(f"{found.k[i]:.1f}" if found.certain[i] else ""),
             Cell(significant(float(found.expanded[i])) if found.certain[i] else ""),
-        )
-        rows.append((label, *cells, *parts, Cell(remarks[i])))
+            *(Cell(significant(float(found.parts[name][i]))) for name in SOURCES),
+        ]
+
     where = surface_words(surface, posed=camera.posed)
-    shown = plain_table(heads, rows)
+    shown = answers_table(heads, names_of(table), cells, pair_remarks(found)[:SHOWN])
     return (
         Listing((f"{counted(len(found), 'distance')} {where}, {models_words(camera)}",), "about"),
         Tabled("distances", "Distances.", shown, tuple(_statement(found))),

@@ -8,10 +8,12 @@ import numpy as np
 
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.members import BoolArray
 from bayescal.prediction.calibrated.sources import camera_of
 from bayescal.prediction.maps import NAMES, ImageMaps, image_maps
+from bayescal.prediction.sights import Sights
 from bayescal.report.blocks import Blocks, Figure, Listing, Section, Tabled
-from bayescal.report.table import Cell, Column, Table
+from bayescal.report.table import Cell, Column, Table, answers_table
 from bayescal.report.views.prediction import models_words
 from bayescal.rounding import counted, significant
 
@@ -55,21 +57,33 @@ def places_table(maps: ImageMaps) -> Table:
     assert at is not None, "of the whole image"
     others = at.differences[:MOST]
     heads = ["place", "r", "c", "sd", "new sd", *["averaged sd"] * bool(others)]
-    columns = [Column(h) for h in (*heads, *(f"to {d.other}" for d in others))]
-    columns.append(Column("", title="remark"))
-    rows = []
-    for i, name in enumerate(NAMES):
-        r, c = at.places.pixels[i]
-        where = (Cell(name), Cell(f"{r:.4g}"), Cell(f"{c:.4g}"))
+    heads += [f"to {d.other}" for d in others]
+
+    def cells(i: int) -> list[Cell] | None:
         if not at.places.found[i]:
-            rows.append((*where, *[Cell("")] * (len(columns) - 4), Cell("no inverse")))
-            continue
+            return None
         spreads = [at.epistemic[i], at.predictive[i], *[at.averaged[i]] * bool(others)]
-        moved = (d.told(i) for d in others)
-        note = "" if at.places.inside[i] else "extrapolated"
-        cells = (*(Cell(significant(float(v))) for v in spreads), *map(Cell, moved), Cell(note))
-        rows.append((*where, *cells))
-    return Table(tuple(columns), tuple(rows), spare=tuple(c.head for c in columns[-2:5:-1]))
+        return [*(Cell(significant(float(v))) for v in spreads), *(Cell(d.told(i)) for d in others)]
+
+    return answers_table(
+        (*heads, Column("", title="remark")),
+        places_cells(at.places),
+        cells,
+        remarks(at.places, at.places.found, "no inverse"),
+        spare=heads[:5:-1],
+    )
+
+
+def places_cells(places: Sights) -> list[tuple[Cell, ...]]:
+    """Name the named places, and where they are."""
+    named = zip(NAMES, places.pixels, strict=True)
+    return [(Cell(name), Cell(f"{r:.4g}"), Cell(f"{c:.4g}")) for name, (r, c) in named]
+
+
+def remarks(places: Sights, known: BoolArray, unknown: str) -> list[str]:
+    """Say of each place why nothing is `known` there, or that it is extrapolated."""
+    pairs = zip(known, places.inside, strict=True)
+    return ["extrapolated" * (not inside) if ok else unknown for ok, inside in pairs]
 
 
 def _lines(maps: ImageMaps) -> list[str]:

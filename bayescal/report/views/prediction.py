@@ -9,7 +9,7 @@ from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.columns import remarks
 from bayescal.prediction.predict import Prediction
 from bayescal.report.blocks import Blocks, Listing, Tabled
-from bayescal.report.table import Cell, Column, Table
+from bayescal.report.table import Cell, answers_table
 from bayescal.rounding import counted, rounded, significant
 
 SHOWN = 30  # rows on a terminal
@@ -18,36 +18,22 @@ SHOWN = 30  # rows on a terminal
 def prediction_view(camera: CalibratedCamera, table: PartialTable, found: Prediction) -> Blocks:
     """Show predictions and what they rest on."""
     percent = f"{100 * found.probability:g}%"
-    columns = (
-        Column("point"),
-        *(Column(f"{a} [px]") for a in "rc"),
-        *(Column(f"sd {a}") for a in "rc"),
-        *(Column(f"new sd {a}") for a in "rc"),
-        *(Column(f"{a}, {percent}") for a in "rc"),
-        Column(""),
-    )
-    notes = [_short(text) for text in remarks(found)]
-    rows = []
-    for i in range(min(len(found), SHOWN)):
-        mean, new = found.mean[i], found.new_sd[i]
-        label = Cell(clipped(table.labels[i]))
+    forms = ("{} [px]", "sd {}", "new sd {}", f"{{}}, {percent}")
+    heads = ["point", *(form.format(axis) for form in forms for axis in "rc"), ""]
+
+    def cells(i: int) -> list[Cell] | None:
         if not found.seen[i]:
-            rows.append((label, *[Cell("")] * 8, Cell(notes[i])))
-            continue
-        rows.append(
-            (
-                label,
-                *(Cell(rounded(m, s)) for m, s in zip(mean, found.sd[i], strict=True)),
-                *(Cell(significant(s)) for s in found.sd[i]),
-                *(Cell(significant(s)) for s in new),
-                *(
-                    Cell(f"{rounded(a, s)}..{rounded(b, s)}")
-                    for a, b, s in zip(found.lower[i], found.upper[i], new, strict=True)
-                ),
-                Cell(notes[i]),
-            )
-        )
-    shown = Table(columns, tuple(rows), spare=(columns[-3].head, columns[-2].head))
+            return None
+        mean, sd, new = found.mean[i], found.sd[i], found.new_sd[i]
+        ends = zip(found.lower[i], found.upper[i], new, strict=True)
+        return [
+            *(Cell(rounded(m, s)) for m, s in zip(mean, sd, strict=True)),
+            *(Cell(significant(s)) for s in (*sd, *new)),
+            *(Cell(f"{rounded(a, s)}..{rounded(b, s)}") for a, b, s in ends),
+        ]
+
+    notes = [_short(text) for text in remarks(found)[:SHOWN]]
+    shown = answers_table(heads, names_of(table), cells, notes, spare=heads[-3:-1])
     return (
         Listing((f"{counted(len(found), 'point')}, {models_words(camera)}",), "about"),
         Tabled("predictions", "Predictions.", shown, tuple(_lines(camera, found))),
@@ -56,6 +42,11 @@ def prediction_view(camera: CalibratedCamera, table: PartialTable, found: Predic
 
 def _short(remark: str) -> str:
     return "not seen" if remark.startswith("behind") else remark.replace(" the image", "")
+
+
+def names_of(table: PartialTable) -> list[tuple[Cell]]:
+    """Name the rows that are shown."""
+    return [(Cell(clipped(label)),) for label in table.labels[:SHOWN]]
 
 
 def clipped(label: str, most: int = 14) -> str:
