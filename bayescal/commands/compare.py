@@ -7,7 +7,7 @@ from typing import Any
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families, families_of
-from bayescal.commands.shared.many import many_or_few, say_many
+from bayescal.commands.shared.many import compared, say_many
 from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_output, deliver
 from bayescal.commands.shared.resume import resumable
@@ -44,23 +44,9 @@ def run(options: argparse.Namespace) -> int:
         return _across_families(options, asked)
     check_output(options)
     axes, hint = shared.axes_of(options), not options.no_families
-    models, heavy = len(shared.orders_of(options)) * axes, axes * options.defend + hint
+    heavy, how = axes * options.defend + hint, {"defend": options.defend, "hint": hint}
     with resumable(options) as resume:
-        with (
-            many_or_few(options) as points,
-            shared.Progress(options, models, heavy=heavy) as progress,
-        ):
-            from bayescal.api.axes import compare
-
-            result = compare(
-                points,
-                defend=options.defend,
-                hint=hint,
-                resume=resume,
-                progress=progress,
-                **shared.settings(options),
-            )
-        return deliver(options, result)
+        return deliver(options, compared(options, heavy=heavy, resume=resume, **how))
 
 
 def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families, families_of
-from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.many import compared
 from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_manner, check_file, code_of
 from bayescal.commands.shared.streams import print_utf8
@@ -112,7 +112,8 @@ def _page(
     if result is None:
         if asked is not None:
             _check_families(options, asked)
-        result = _compared(options)
+        # Each axis's orders and its defence, and a look at other families.
+        result = compared(options, heavy=shared.axes_of(options) + 1, defend=True)
     beside: list[Any] = []
     if asked is not None:
         beside.append(_families(options, result, asked))
@@ -191,22 +192,4 @@ def _bad_points(options: argparse.Namespace, result: Comparison) -> OutlierStudy
             seed=asked.seed,
             progress=progress.named,
             **({} if options.ess is None else {"ess": options.ess}),
-        )
-
-
-def _compared(options: argparse.Namespace) -> Comparison:
-    # Each axis's orders and its defence, and a look at other families.
-    axes = shared.axes_of(options)
-    models = len(shared.orders_of(options)) * axes
-    with (
-        many_or_few(options) as points,
-        shared.Progress(options, models, heavy=axes + 1) as progress,
-    ):
-        from bayescal.api.axes import compare
-
-        return compare(
-            points,
-            defend=True,
-            progress=progress,
-            **shared.settings(options),
         )

@@ -6,12 +6,13 @@ import argparse
 import contextlib
 import dataclasses
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.streams import say
 
 if TYPE_CHECKING:
+    from bayescal.comparison.results import Comparison
     from bayescal.points.chunks.many import ManyPoints
     from bayescal.points.correspondences import Correspondences
 
@@ -41,6 +42,26 @@ def many_or_few(options: argparse.Namespace) -> Iterator[Correspondences | ManyP
             return line.enter_context(shared.Progress(options, about, "reading points,")).more
 
         yield shared.with_camera(dataclasses.replace(many, begun=begun), options)
+
+
+def compared(options: argparse.Namespace, *, heavy: int, **how: Any) -> Comparison:
+    """Compare the orders that the options name, with progress.
+
+    Parameters
+    ----------
+    heavy : int
+        Steps beside the models.
+    **how
+        As `bayescal.compare` takes it.
+    """
+    models = len(shared.orders_of(options)) * shared.axes_of(options)
+    with (
+        many_or_few(options) as points,
+        shared.Progress(options, models, heavy=heavy) as progress,
+    ):
+        from bayescal.api.axes import compare
+
+        return compare(points, progress=progress, **how, **shared.settings(options))
 
 
 def say_many(options: argparse.Namespace, n: int) -> None:

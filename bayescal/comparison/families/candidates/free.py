@@ -119,10 +119,8 @@ class GaussianFreePair(_FreePair):
             self.likelihood,
             model.log_left_out,
             partial(self._without, settings.seed),
-            position=model.start,
             position_sd=position_sd(model),
-            pixels=joint_data(self.axes).pixels,
-            residuals=self.residuals(model.start),
+            **self.at(model.start),
         )
         # What a draw says given the other points is no in-sample density.
         return found if found.loo is None else replace(found, loo=replace(found.loo, p_eff=None))
@@ -195,9 +193,7 @@ class RobustFreePair(_FreePair):
             self._draws(store, settings),
             self.likelihood,
             model.log_likelihood,
-            position=place,
-            pixels=joint_data(self.axes).pixels,
-            residuals=self.residuals(place),
+            **self.at(place),
         )
 
     def _sampled(self, rng: np.random.Generator, ess: int) -> SampledPosterior:

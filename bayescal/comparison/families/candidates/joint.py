@@ -15,6 +15,7 @@ from bayescal.comparison.families.linearised import Linearised
 from bayescal.comparison.families.models import (
     Wanted,
     joint_criteria,
+    joint_data,
     joint_goodness,
     linear_residuals,
 )
@@ -81,9 +82,11 @@ class LinearPair:
         """What a candidate begins with."""
         return self.key, self.points, self.axes, self.wanted
 
-    def residuals(self, position: Array) -> Array:
-        """Least squares' residuals at a camera position, ``(2, n_points)``, px."""
-        return frozen(linear_residuals(self.points, self.axes, self.wanted.pair, position))
+    def at(self, position: Array) -> dict[str, Any]:
+        """Give what a result says at a camera position: least squares' residuals there."""
+        left = linear_residuals(self.points, self.axes, self.wanted.pair, position)
+        pixels = joint_data(self.axes).pixels
+        return {"position": position, "pixels": pixels, "residuals": frozen(left)}
 
 
 def judged_by(

@@ -50,10 +50,8 @@ class ExactPair(LinearPair):
             loo=None if loos[0] is None or loos[1] is None else of_both(loos[0], loos[1]),
             criteria=likelihood.criteria,
             goodness=likelihood.goodness,
-            position=place,
-            pixels=joint_data(self.axes).pixels,
-            residuals=self.residuals(place),
             exact=(r, c),
+            **self.at(place),
         )
 
     @property
@@ -91,16 +89,13 @@ class RobustStatedPair(LinearPair):
             c = sampled_leave_one_out(posterior, lambda full: pair.log_likelihoods(full)[1])
             return None if r is None or c is None else of_both(r, c)
 
-        place = frozen(self.points.setup.position)
         return result_of(
             self.key,
             posterior,
             Likelihood(robust_criteria(pair.names)),
             store.leave_one_out(self.key, left_out),
             posterior=posterior,
-            position=place,
-            pixels=joint_data(self.axes).pixels,
-            residuals=self.residuals(place),
+            **self.at(frozen(self.points.setup.position)),
         )
 
     def _pair(self, pair: RobustPair, store: Store, settings: Settings) -> SampledPosterior:
