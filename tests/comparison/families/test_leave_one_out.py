@@ -1,6 +1,7 @@
 """Leave-one-out of joint models: by weights, by evidences without a point, else marked."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,12 +13,16 @@ from bayescal.report.terminal import render
 from bayescal.report.views.families.views import brief
 
 
+@cache
+def fitted(family, orders):
+    return bc.fit_family(bc.thesis(), family, orders, position="free", ess=400).best
+
+
 @pytest.mark.parametrize("which", ["middling", "heavy"])
 @pytest.mark.parametrize(("family", "orders"), [("pinhole", (0,)), ("separable", (4, 1))])
 def test_leave_one_out_is_that_of_fits_without_the_point(family, orders, which):
     """PSIS of a middling point, and the refit of one whose weights fail, are the evidences'."""
-    points = bc.thesis()
-    model = bc.fit_family(points, family, orders, position="free", ess=400).best
+    points, model = bc.thesis(), fitted(family, orders)
     assert model.loo.reliable, "what weights can't say, refits do"
     middling = int(np.argsort(model.loo.pointwise)[len(points) // 2])
     # Among the refitted the least expected: one at the edge would take the basis's domain along.
