@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
@@ -25,6 +25,11 @@ BODY = np.random.default_rng(3).uniform(-1, 1, (12, 3))
 SETUP = bc.Setup(width=1920.0, height=1080.0)
 POSE = float(stats.chi2.ppf(LEVEL, 6))
 See = Callable[[Array], Array]
+
+
+def as_it_was(pixels: Array) -> Array:
+    """Leave pixels as they are: nothing happened to the camera."""
+    return pixels
 
 
 @dataclass(frozen=True)
@@ -52,7 +57,9 @@ class Kind:
     Attributes
     ----------
     calibrated : callable
-        Simulate a calibration.
+        Simulate a calibration, with pixels moved as by what happened to the camera.
+    centre : tuple of float
+        Principal point, px.
     scene : callable
         Points well inside what it was calibrated with, ``(n, 3)``, at a z where one is given.
     depth : float
@@ -63,7 +70,8 @@ class Kind:
         Px.
     """
 
-    calibrated: Callable[[np.random.Generator], Calibrated]
+    calibrated: Callable[[np.random.Generator, See], Calibrated]
+    centre: tuple[float, float]
     scene: Callable[[np.random.Generator, int, float | None], Array]
     depth: float
     target: tuple[float, tuple[float, float, float]]
@@ -87,16 +95,16 @@ def before(
 def polynomial(fit: Callable[[bc.Correspondences], object]) -> Kind:
     """Fit polynomials to forty points with 1 px of noise."""
 
-    def calibrated(rng: np.random.Generator) -> Calibrated:
+    def calibrated(rng: np.random.Generator, moved: See) -> Calibrated:
         world = before(rng, 40, None, (0.5, 0.4, 100, 250))
         pixels = bent(world) + rng.standard_normal((40, 2))
-        points = bc.Correspondences.from_arrays(world, pixels, setup=SETUP)
+        points = bc.Correspondences.from_arrays(world, moved(pixels), setup=SETUP)
         return Calibrated(bc.camera(fit(points), average=True), bent, bent)
 
     def scene(rng: np.random.Generator, n: int, depth: float | None) -> Array:
         return before(rng, n, depth, (0.4, 0.32, 100, 250))
 
-    return Kind(calibrated, scene, 150.0, (20.0, (0.0, 0.0, 150.0)), 1.0)
+    return Kind(calibrated, (960.0, 540.0), scene, 150.0, (20.0, (0.0, 0.0, 150.0)), 1.0)
 
 
 def pinhole() -> Kind:
@@ -105,23 +113,25 @@ def pinhole() -> Kind:
     def see(world: Array) -> Array:
         return projected(world, **TURNED)
 
-    def calibrated(rng: np.random.Generator) -> Calibrated:
+    def calibrated(rng: np.random.Generator, moved: See) -> Calibrated:
         points = turned_points(0.3, int(rng.integers(2**31)))
+        points = replace(points, pixels=moved(points.pixels))
         return Calibrated(bc.camera(bc.fit_family(points, "pinhole", (1,), ess=100)), see, see)
 
     def scene(rng: np.random.Generator, n: int, depth: float | None) -> Array:
         z = rng.uniform(10, 150, n) if depth is None else np.full(n, depth)
         return np.column_stack([rng.uniform(30, 170, n), rng.uniform(30, 190, n), z])
 
-    return Kind(calibrated, scene, 80.0, (30.0, (100.0, 110.0, 80.0)), 0.3)
+    return Kind(calibrated, (300.0, 200.0), scene, 80.0, (30.0, (100.0, 110.0, 80.0)), 0.3)
 
 
 def lens() -> Kind:
     """Show a board to a radial lens of order 1 in six views with 0.3 px of noise."""
     truth, intrinsics = Truth((-60.0,), None), some_intrinsics(np.random.default_rng(0))
 
-    def calibrated(rng: np.random.Generator) -> Calibrated:
+    def calibrated(rng: np.random.Generator, moved: See) -> Calibrated:
         views, _ = views_of(truth, Errors(0.3), 6, rng, intrinsics)
+        views = replace(views, pixels=moved(views.pixels))
         camera = bc.camera(bc.calibrate(views, lenses=[truth.key], independent=True, ess=100))
         one = lens_named("radial", order=1, tangential=False)
         radius = float(np.hypot(*(camera.size or (0, 0)))) / 2
@@ -139,7 +149,8 @@ def lens() -> Kind:
     def scene(rng: np.random.Generator, n: int, depth: float | None) -> Array:
         return before(rng, n, depth, (0.25, 0.18, 400, 700))
 
-    return Kind(calibrated, scene, 500.0, (60.0, (0.0, 0.0, 500.0)), 0.3)
+    middle = (float(intrinsics[2]), float(intrinsics[3]))
+    return Kind(calibrated, middle, scene, 500.0, (60.0, (0.0, 0.0, 500.0)), 0.3)
 
 
 KINDS = {
@@ -158,7 +169,7 @@ def pair(name: str, seed: int, number: int) -> tuple[Array, float]:
     shares, made = [], []
     for one in (2 * number, 2 * number + 1):
         rng = np.random.default_rng([seed, one])
-        made.append(KINDS[name].calibrated(rng))
+        made.append(KINDS[name].calibrated(rng, as_it_was))
         each = (pixels_inside, distances_inside, pose_inside)
         shares.append([share(KINDS[name], made[-1], rng) for share in each])
     return np.array(shares), float(bc.changed(made[0].camera, made[1].camera).changed)
