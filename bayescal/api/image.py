@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from bayescal.api.camera import camera
@@ -107,5 +108,6 @@ def undistort(source: Any, pixels: Any, *, field: Field = "same") -> Any:
         Where there is no such camera, or the pixels have another shape.
     """
     own = checked(numbers_of(pixels, ("r", "c"), "pixels"), 2, "pixels")
-    found = undistortion(source, field=field).pixels(own)
-    return answered(pixels, found, undistorted_columns)
+    made = undistortion(source, field=field)
+    columns = partial(undistorted_columns, outside=made.outside(own))
+    return answered(pixels, made.pixels(own), columns)

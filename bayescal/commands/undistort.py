@@ -116,8 +116,9 @@ def _pixels(options: argparse.Namespace, real: Seeing, field: Field) -> int:
     if options.out != "-":
         check_free(Path(options.out), force=options.force)
     table = read_rows(options, options.pixels, ("r", "c"))
-    found = Undistortion(real, ideal_camera(real, field)).pixels(table.columns("r", "c"))
-    text = rows_text(asked_and_found(table, ("r", "c"), undistorted_columns(found)))
+    undistortion, pixels = Undistortion(real, ideal_camera(real, field)), table.columns("r", "c")
+    columns = undistorted_columns(undistortion.pixels(pixels), undistortion.outside(pixels))
+    text = rows_text(asked_and_found(table, ("r", "c"), columns))
     if options.out == "-":
         sys.stdout.write(text)
     else:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from bayescal.arrays import Array
+from bayescal.prediction.calibrated.members import BoolArray
 from bayescal.prediction.changed import Change
 from bayescal.prediction.locate import Location
 from bayescal.prediction.maps import ImageMaps
@@ -153,11 +154,15 @@ def change_columns(found: Change) -> dict[str, Any]:
     }
 
 
-def undistorted_columns(found: Array) -> dict[str, Any]:
-    """Name the columns of undistorted pixels ``(n, 2)``."""
+def undistorted_columns(found: Array, outside: BoolArray) -> dict[str, Any]:
+    """Name the columns of undistorted pixels ``(n, 2)``, of which some were off the image."""
     seen = np.isfinite(found).all(axis=1)
     columns: dict[str, Any] = {f"undistorted_{a}": found[:, i] for i, a in enumerate("rc")}
-    return columns | {"note": ["" if ok else NO_DIRECTION for ok in seen]}
+    columns["note"] = [
+        ", ".join(["outside the image"] * bool(out) + [NO_DIRECTION] * (not ok))
+        for ok, out in zip(seen, outside, strict=True)
+    ]
+    return columns
 
 
 def _spread(forms: tuple[tuple[str, Array], ...], names: tuple[str, ...]) -> dict[str, Any]:

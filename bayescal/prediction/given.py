@@ -11,6 +11,8 @@ from bayescal.arrays import Array, ArrayLike
 from bayescal.errors import InputError
 from bayescal.points.given import table
 
+LARGEST = 1e100  # of depths and planes: squares of distances are doubles
+
 
 @dataclass(frozen=True)
 class Surface:
@@ -33,6 +35,8 @@ class Surface:
     def __post_init__(self) -> None:
         if not (np.isfinite([*self.normal, self.offset, self.sd]).all() and any(self.normal)):
             raise InputError("a plane needs finite a, b, c, d, of which a, b, c are not all 0")
+        if max(*map(abs, self.normal), abs(self.offset), self.sd) >= LARGEST:
+            raise InputError(f"a depth, and a plane's a, b, c, d, must be below {LARGEST:g}")
         if self.sd < 0:
             raise InputError(f"the depth's sd is {self.sd:g}: it can't be negative")
 
@@ -50,6 +54,8 @@ def surface_of(
     if depth is not None and plane is not None:
         raise InputError("depth and plane both say where the points lie: keep one")
     if depth is not None:
+        if not abs(depth) < LARGEST:
+            raise InputError(f"the depth is {depth:g}: give a finite z in world units")
         return Surface((0.0, 0.0, 1.0), depth, depth_sd)
     if plane is None:
         return None

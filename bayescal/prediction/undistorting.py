@@ -97,6 +97,12 @@ class Undistortion:
         """Pixels of photographs as the ideal camera has them, ``(n, 2)``; nan where none."""
         return undistort_pixels(self.real, self.ideal, np.asarray(pixels, dtype=np.float64))[0]
 
+    def outside(self, pixels: Array) -> BoolArray:
+        """Which pixels of photographs lie outside them, ``(n,)``."""
+        # Pixel centres are at integers: the image reaches half a pixel beyond.
+        end = np.array([self.real.width, self.real.height]) - 0.5
+        return ~np.asarray(((pixels >= -0.5) & (pixels <= end)).all(axis=1))
+
     def distorted(self, pixels: Array) -> Array:
         """Pixels of the ideal camera as they are in photographs, ``(n, 2)``; nan where none."""
         return distort_pixels(self.real, self.ideal, np.asarray(pixels, dtype=np.float64))[0]

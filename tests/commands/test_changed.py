@@ -30,6 +30,12 @@ def test_a_change_is_said_and_drawn(folder, tmp_path):
     done = here("changed", folder / "one.npz", folder / "moved.npz", "--figure", figure)
     assert done.code == 0
     assert "The camera has changed" in done.out
+    names = [
+        f"{which}: {folder / name}.npz" for which, name in (("first", "one"), ("second", "moved"))
+    ]
+    told = "".join(done.out.split())
+    assert all("".join(name.split()) in told for name in names)
+    assert "by what the points alone say of separable (1, 1)" in " ".join(done.out.split())
     assert figure.read_bytes()[:4] == b"\x89PNG"
     assert not_a_number(done.out) == []
     assert max(map(len, done.out.splitlines())) <= 100
@@ -50,6 +56,7 @@ def test_what_cannot_be_compared(folder):
         (("one.npz", "none.npz"), "no such file"),
         (("one.npz", "two.npz", "--figure", "x.gif"), ".png"),
         (("one.npz", "two.npz", "--seed", "-1"), "seed must be 0 or more"),
+        (("one.npz", "one.npz"), "is given twice"),
         (("one.npz", "two.npz", "--json", folder / "two.npz"), "exists"),
     ):
         first, second, *rest = words

@@ -82,7 +82,9 @@ def test_what_cannot_be_located(run, pixels):
         (("--depth", "1", "--plane", "0", "0", "1", "2"), "keep one"),
         (("--depth-sd", "1"), "belongs to --depth"),
         (("--plane", "0", "0", "0", "1"), "not all 0"),
-        (("--depth", "nan"), "finite"),
+        (("--depth", "nan"), "the depth is nan: give a finite z"),
+        (("--depth", "1e300"), "the depth is 1e+300"),
+        (("--plane", "0", "0", "1e150", "1"), "must be below 1e+100"),
         (("--seed", "-1"), "seed must be 0 or more"),
     ):
         done = here("locate", run, pixels, *words)

@@ -8,6 +8,7 @@ import json
 
 import jsonschema
 import numpy as np
+import pandas as pd
 import pytest
 
 import bayescal as bc
@@ -105,7 +106,7 @@ def test_options_that_cannot_be(run, points, tmp_path):
         ((run, points, "--out", run / "x.csv"), "lies in the run"),
         ((tmp_path, points), "not a run"),
         ((tmp_path / "none", points), "no such file"),
-        ((points, points), "is no camera file"),
+        ((points, points), "is no camera file; give a run's folder or a camera file, before"),
     ):
         done = here("predict", *words)
         assert done.code == 2
@@ -127,3 +128,23 @@ def test_points_of_another_camera_and_no_points(run, tmp_path):
         done = here("predict", run, tmp_path / "none.csv")
         assert (done.code, done.err.count("\n")) == (2, 1)
         assert said in done.err
+
+
+@pytest.mark.parametrize("kind", ["excel", "parquet"])
+def test_workbooks_and_parquet_are_read(run, tmp_path, kind):
+    """Truth: the same table as text; a row that holds no number is named and left out."""
+    frame = pd.DataFrame(
+        {"x": [300.0, np.nan, 310.0], "y": [60.0, 1.0, 80.0], "z": [250.0, 1, 300]}
+    )
+    frame.to_csv(tmp_path / "p.csv", index=False)
+    name = tmp_path / {"excel": "p.xlsx", "parquet": "p.parquet"}[kind]
+    if kind == "excel":
+        frame.to_excel(name, index=False)
+    else:
+        frame.to_parquet(name)
+    found, text = (
+        here("predict", run, given, "--out", "-") for given in (name, tmp_path / "p.csv")
+    )
+    assert found.out == text.out
+    assert found.out.count("\n") == 3
+    assert f"left out: {name}" in found.err

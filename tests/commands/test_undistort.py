@@ -187,14 +187,15 @@ def test_pixels_by_a_calibrated_camera(lens_comparison, tmp_path, capsys):
     import bayescal as bc
 
     bc.keep_camera(bc.camera(lens_comparison), tmp_path / "camera.npz")
-    (tmp_path / "pixels.csv").write_text("r,c\n100,200\nx,3\n500,400\n")
+    (tmp_path / "pixels.csv").write_text("r,c\n100,200\nx,3\n640,400\n")
     place, table = str(tmp_path / "camera.npz"), str(tmp_path / "pixels.csv")
     assert main(["undistort", place, "--pixels", table, "--out", "-"]) == 0
     printed = capsys.readouterr()
     rows = [line.split(",") for line in printed.out.splitlines()]
     assert rows[0] == ["label", "r", "c", "undistorted_r", "undistorted_c", "note"]
-    expected = bc.undistort(place, [[100, 200], [500, 400]])
+    expected = bc.undistort(place, [[100, 200], [640, 400]])
     np.testing.assert_allclose(np.array([r[3:5] for r in rows[1:]], dtype=float), expected)
+    assert [row[5] for row in rows[1:]] == ["", "outside the image"]  # 640 px have centres to 639
     assert "pixels.csv:3: r: 'x'" in printed.err
     assert main(["undistort", place, "--pixels", table, "--out", "-", "--strict"]) == 2
     assert main(["undistort", place, "--out", "-"]) == 2

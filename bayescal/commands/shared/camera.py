@@ -96,12 +96,13 @@ def read_rows(
     InputError
         Where it can't be read, or has a bad row and --strict is given.
     """
+    from bayescal.points.exports.stored_tables import stored_table
     from bayescal.points.tables.columns import parse_stated
     from bayescal.points.tables.partial import read_partial
     from bayescal.report.views.prediction import bad_rows
 
     stated = None if options.columns is None else parse_stated(options.columns)
-    table = read_partial(source, required, stated)
+    table = read_partial(source, required, stated, stored_table)
     if table.problems and options.strict:
         raise InputError(table.problems[0])
     for line in bad_rows(table.problems):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,8 +13,8 @@ from bayescal.arrays import Array
 from bayescal.errors import InputError
 from bayescal.points.correspondences import one_line
 from bayescal.points.tables.columns import Columns
-from bayescal.points.tables.content import read_content
-from bayescal.points.tables.sniffing import parse_table
+from bayescal.points.tables.content import Content, read_content
+from bayescal.points.tables.sniffing import TextTable, parse_table
 from bayescal.points.tables.table import number, rows_of
 
 
@@ -54,7 +54,10 @@ class PartialTable:
 
 
 def read_partial(
-    source: str | Path, required: tuple[str, ...], stated: Mapping[str, str] | None = None
+    source: str | Path,
+    required: tuple[str, ...],
+    stated: Mapping[str, str] | None = None,
+    stored: Callable[[Content], TextTable | None] = lambda _: None,
 ) -> PartialTable:
     """Read the rows of a table that are complete and finite.
 
@@ -66,6 +69,8 @@ def read_partial(
         Columns of numbers.
     stated : mapping of str to str, optional
         Names or numbers of columns, as the user says.
+    stored : callable, optional
+        Gives the table of a file that is no text, None of one that is.
 
     Raises
     ------
@@ -75,7 +80,9 @@ def read_partial(
     content = read_content(source, f"a table with columns {','.join(required)}")
     known = Columns(required, (*required, "label"))
     problems: list[str] = []
-    table = parse_table(content.name, content.text(), ",".join(required), problems)
+    table = stored(content)
+    if table is None:
+        table = parse_table(content.name, content.text(), ",".join(required), problems)
     read = rows_of(table, known, stated)
     numbers: list[list[float]] = []
     labels, lines = [], []
@@ -103,5 +110,5 @@ def read_partial(
 
 def _line_of(problem: str) -> int:
     """Line that a complaint about a row names."""
-    found = re.search(r":(\d+):", problem)
+    found = re.search(r"(?::|, row )(\d+):", problem)
     return int(found[1]) if found else 0

@@ -25,6 +25,8 @@ from bayescal.version import __version__
 SCHEMA = "bayescal-camera-1"
 HEAD = "camera"
 LARGEST = 64_000_000  # bytes
+ARCHIVE = b"PK"  # how npz files begin
+GIVEN = "a run's folder or a camera file"
 
 
 def keep_camera(camera: CalibratedCamera, path: str | Path, *, force: bool = False) -> None:
@@ -58,7 +60,7 @@ def load_camera(path: str | Path) -> CalibratedCamera:
     InputError
         Where it is no such file, or is damaged.
     """
-    return camera_from(read_file(path, "a camera file", LARGEST).raw, str(path))
+    return camera_from(read_file(path, GIVEN, LARGEST).raw, str(path))
 
 
 def camera_bytes(camera: CalibratedCamera) -> bytes:
@@ -87,6 +89,8 @@ def camera_from(raw: bytes, name: str) -> CalibratedCamera:
     ------
     InputError
     """
+    if not raw.startswith(ARCHIVE):
+        raise InputError(f"{name}: is no camera file; give {GIVEN}, before all else")
     try:
         head, arrays = from_npz(raw, HEAD)
         schema = head["schema"]

@@ -16,7 +16,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
-from bayescal.points.exports import parquet, spreadsheet
+from bayescal.points.exports.stored_tables import stored_table
 from bayescal.points.tables.columns import PIXEL_SIGMAS, Columns
 from bayescal.points.tables.frames import frame_table
 from bayescal.points.tables.table import Row, Rows, number, read_rows, rows_of
@@ -47,10 +47,9 @@ def read(source: Source) -> Views:
         Where it can't be used; the message names its line.
     """
     source.refuse_board()
-    for program in (spreadsheet, parquet):
-        if program.recognises(source):
-            rows = rows_of(program.read(source, None).table, COLUMNS, source.columns)
-            return _views(source.name, rows, "", source.sha256)
+    stored = stored_table(source)
+    if stored is not None:
+        return _views(source.name, rows_of(stored, COLUMNS, source.columns), "", source.sha256)
     text = source.text()
     rows = read_rows(source.name, text, COLUMNS, source.columns)
     return _views(source.name, rows, text, source.sha256)
