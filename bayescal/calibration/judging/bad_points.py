@@ -198,7 +198,7 @@ def _added(free: FreePoints, ahead: int) -> list[tuple[int, int]]:
     n, area, spare = free.data.n_points, log_area(free.data.size), _spare(free)
     path: list[tuple[int, int]] = []
     total, best, kept, k = 0.0, 0.0, 0, len(free.order)
-    while len(path) < kept + ahead and free.dof > 2:
+    while len(path) < kept + ahead and free.dof > 2 and not free.full:
         free.left &= (spare > 0)[:, None]
         if not free.left.any():
             break

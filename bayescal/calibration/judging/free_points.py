@@ -87,26 +87,27 @@ class FreePoints:
         offsets = np.arange(model.dimension, len(inner))
         inner[offsets, offsets] += 1  # their prior
         whitener = _inverse_root(inner)
-        self._taken = free[..., 1:] @ whitener  # Q = M - taken taken'
+        self._taken = _Columns(free[..., 1:] @ whitener)  # Q = M - taken taken'
+        taken = self._taken.values
         self.metric = np.einsum("vnn,ab->vnab", self._inverse, np.eye(2))
         self.metric -= np.einsum(
             "vnap,vpq,vnbq->vnab", self._pulled, self._precision, self._pulled, optimize=True
         )
-        self.metric -= np.einsum("vnak,vnbk->vnab", self._taken, self._taken, optimize=True)
+        self.metric -= taken @ taken.swapaxes(-1, -2)
         pull = whitener.T @ gram[1:, 0]
-        self.weighted = free[..., 0] - self._taken @ pull
+        self.weighted = free[..., 0] - taken @ pull
         self.squares = float(gram[0, 0] - pull @ pull)
-        self._first = self.weighted, self._taken.shape[-1]
+        self._first = self.weighted, taken.shape[-1]
         self.order: list[tuple[int, int]] = []
         self.left = self.data.seen.copy()
         self._withdraw(~data.seen)
 
     def _gain(self) -> Array:
         """By how much each point's shift lowers the sum of squares; 0 where it has none."""
+        a, b, d = (self.metric[..., i, j] for i, j in ((0, 0), (0, 1), (1, 1)))
+        r, c = self.weighted[..., 0], self.weighted[..., 1]
         gain = np.zeros(self.left.shape)
-        blocks, pulls = self.metric[self.left], self.weighted[self.left]
-        shifts = np.linalg.solve(blocks, pulls[..., None])[..., 0]
-        gain[self.left] = (pulls * shifts).sum(axis=-1)
+        np.divide(d * r**2 - 2 * b * r * c + a * c**2, a * d - b**2, out=gain, where=self.left)
         return gain
 
     def log_p(self) -> Array:
@@ -125,7 +126,8 @@ class FreePoints:
         NaN of points that have no shift to be given. What is known of the lens beforehand is left
         out, as in `log_p`.
         """
-        log_det = np.linalg.slogdet(self.metric[self.left])[1]
+        left = self.metric[self.left]
+        log_det = np.log(left[:, 0, 0] * left[:, 1, 1] - left[:, 0, 1] ** 2)
         before = np.full(len(log_det), self.squares)
         after = before - self._gain()[self.left]
         out = np.full(self.left.shape, np.nan)
@@ -148,7 +150,7 @@ class FreePoints:
         view, place = np.array(self.order).T
         weighted, width = self._first
         k, weight = len(view), self.data.weight[view, place]
-        taken, pulled = self._taken[view, place, :, :width], self._pulled[view, place]
+        taken, pulled = self._taken.values[view, place, :, :width], self._pulled[view, place]
         alike = view[:, None] == view
         noise = np.where(alike, self._inverse[view[:, None], place[:, None], place], 0.0)
         poses = np.einsum("iap,ipq,jbq->iajb", pulled, self._precision[view], pulled, optimize=True)
@@ -185,6 +187,11 @@ class FreePoints:
         r, c = self.shift(int(view), int(place)).tolist()
         return FreePoint(int(view), int(place), (r, c), float(log_p[view, place]))
 
+    @property
+    def full(self) -> bool:
+        """Whether one more would take more memory than is wanted."""
+        return self._taken.values.size > LARGEST
+
     def release(self, view: int, place: int) -> None:
         """Give a point its shift for good."""
         column = np.zeros((*self.left.shape, 2, 2))
@@ -196,12 +203,12 @@ class FreePoints:
             self._pulled[view, place],
             optimize=True,
         )
-        column -= np.einsum("vnak,bk->vnab", self._taken, self._taken[view, place], optimize=True)
+        column -= self._taken.values @ self._taken.values[view, place].T
         root = np.linalg.cholesky(self.metric[view, place])
         taken = column @ np.linalg.inv(root).T
         pull = np.linalg.solve(root, self.weighted[view, place])
-        self._taken = np.concatenate([self._taken, taken], axis=-1)
-        self.metric -= np.einsum("vnak,vnbk->vnab", taken, taken)
+        self._taken.add(taken)
+        self.metric -= taken @ taken.swapaxes(-1, -2)
         self.weighted = self.weighted - taken @ pull
         self.squares -= float(pull @ pull)
         self.dof -= 2
@@ -213,8 +220,9 @@ class FreePoints:
     def _withdraw(self, gone: NDArray[np.bool_]) -> None:
         """Leave out points that have their shift, and those that others can't do without."""
         own = np.einsum("vnn->vn", self._inverse)
-        spare = np.linalg.eigvalsh(self.metric)[..., 0] / own
-        self.left &= ~gone & (spare > LEAST_FREE)
+        a, b, d = (self.metric[..., i, j] for i, j in ((0, 0), (0, 1), (1, 1)))
+        least = (a + d) / 2 - np.hypot((a - d) / 2, b)  # the smaller eigenvalue
+        self.left &= ~gone & (least > LEAST_FREE * own)
 
     def _weighed(self, columns: Array) -> Array:
         """Apply the inverse of the noise's covariance, ``(n_views, n_places, 2, k)``."""
@@ -226,6 +234,27 @@ class FreePoints:
         met = np.einsum("vnap,vnak->vpk", self._pulled, columns, optimize=True)
         gone = np.einsum("vnap,vpk->vnak", self._pulled, self._precision @ met, optimize=True)
         return np.asarray(self._weighed(columns) - gone)
+
+
+class _Columns:
+    """Columns ``(n_views, n_places, 2, k)`` to which others are added, without copies of each."""
+
+    def __init__(self, first: Array) -> None:
+        self._kept, self._width = first, first.shape[-1]
+
+    @property
+    def values(self) -> Array:
+        """All of them."""
+        return self._kept[..., : self._width]
+
+    def add(self, more: Array) -> None:
+        """Add some behind them."""
+        before, self._width = self._width, self._width + more.shape[-1]
+        if self._width > self._kept.shape[-1]:
+            grown = np.empty((*more.shape[:-1], self._width + before // 2 + 16))
+            grown[..., :before] = self._kept[..., :before]
+            self._kept = grown
+        self._kept[..., before : self._width] = more
 
 
 def _columns(problem: Problem) -> Array:

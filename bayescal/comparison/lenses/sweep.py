@@ -17,9 +17,10 @@ from bayescal.calibration.judging.bad_points import marked
 from bayescal.calibration.judging.judge import Setting
 from bayescal.calibration.judging.laplace import Level
 from bayescal.calibration.model.error_grid import INDEPENDENT
+from bayescal.calibration.model.error_model import Geometry
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.calibration.model.observations import Observations
-from bayescal.comparison.lenses.bad.mixture import Marks, Mixing, first_set, without
+from bayescal.comparison.lenses.bad.mixture import Marks, Mixing, first_set
 from bayescal.comparison.lenses.candidates import (
     LARGEST_FISHEYE,
     LARGEST_RADIAL,
@@ -94,10 +95,13 @@ class Sweep:
         if request.per_view:
             levels = once(f"noise of views{tag}", Array, partial(self._levels, points))
             self.data = self.data.with_levels(levels)
-        whole = Setting.of(self.data, level, independent=request.independent)
-        self.mixing = Mixing(whole, points) if request.mixture else None
-        self.setting = without(whole, points) if self.bad else whole
-        self.data = self.setting.data
+        whole, kept = self.data, self.data.without(points) if self.bad else self.data
+        self.setting = Setting.of(kept, level, independent=request.independent)
+        self.mixing: Mixing | None = None
+        if request.mixture:
+            every = replace(self.setting, data=whole, geometry=Geometry(whole))
+            self.mixing = Mixing(every, points)
+        self.data = kept
         self.impossible: list[str] = []
         self.failures: list[str] = []
         self._start = self.setting.grid.starts

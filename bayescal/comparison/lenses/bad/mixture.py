@@ -25,8 +25,9 @@ from bayescal.calibration.model.lens_model import LensModel
 
 TURNS = 3  # of weighing a lens without the set that it makes most probable
 FIRST_TURNS = 8
-FIRST = 0.1  # of all points: how far the first search looks beyond the best set
-AHEAD = (0.05, 10, 50)  # the same of later ones: of all points, at least, at most
+# How far searches look beyond the best set: of all points, at least, at most.
+FIRST = (0.1, 10, 200)
+AHEAD = (0.05, 10, 50)
 DRAWS = 100  # importance draws, of which nothing is used
 
 Marks = NDArray[np.bool_]
@@ -93,13 +94,14 @@ def first_set(models: Sequence[LensModel], whole: Setting, points: Marks) -> Mar
     fits = [start_fit(model, whole.data.without(points)) for model in models]
     if not np.isfinite([fit.sum_of_squares for fit in fits]).any():
         return points
-    ahead = max(AHEAD[1], round(FIRST * whole.data.n_points))
+    ahead = _ahead(FIRST, whole)
     for _ in range(FIRST_TURNS):
         data = whole.data.without(points)
         fits = [least_squares(m, data, f.x, f.poses) for m, f in zip(models, fits, strict=True)]
         model, fit = min(zip(models, fits, strict=True), key=lambda pair: pair[1].sum_of_squares)
         problem = Problem(model, whole.data, fit.x, fit.poses, INDEPENDENT, None, whole.level)
         before, points = points, search(problem, points, ahead)
+        ahead = _ahead(AHEAD, whole)  # what hid is found
         if (points == before).all():
             break
     node = whole.grid.starts
@@ -136,8 +138,7 @@ def mixed(
     )
     if not np.isfinite(estimate.error):
         return best
-    share, least, most = AHEAD
-    ahead = int(np.clip(round(share * whole.data.n_points), least, most))
+    ahead = _ahead(AHEAD, whole)
     tried, sets = [common], best.sets
     for _ in range(TURNS):
         points = search(problem, tried[-1], ahead)
@@ -152,6 +153,11 @@ def mixed(
             best = max(best, own, key=lambda one: one.total)
         tried.append(points)
     return best
+
+
+def _ahead(limits: tuple[float, int, int], whole: Setting) -> int:
+    share, least, most = limits
+    return int(np.clip(round(share * whole.data.n_points), least, most))
 
 
 def _weighed(
