@@ -43,7 +43,7 @@ def compare(
         ``"r"``, ``"c"`` or ``"both"``.
     defend : bool, optional
         Also answer a referee: leave-one-out, sensitivity to the prior, stability under
-        removal and resampling of points, orders beyond the range (some 15 seconds more).
+        removal and resampling of points, orders beyond the range (some ten seconds more).
     hint : bool, optional
         Look whether another family or a free camera position is decisively better.
     setup : Setup or str or Path, optional

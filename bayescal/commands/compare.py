@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         "--defend",
         "answer a referee too: leave-one-out, prior sensitivity, stability, orders beyond "
-        "the range (some 15 seconds more)",
+        "the range (some ten seconds more)",
     )
     add_families(parser, several=True)
     option(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -98,16 +99,20 @@ def run(options: argparse.Namespace) -> int:
         tau=options.tau,
         coefficients=coefficients,
     )
-    told = _told(truth)
     compare = _compare(options, points.setup)
+    told = _told(truth, repr)
     comments = [f"simulated by: {options.command_line}", *told, f"compare with: {compare}"]
     text = "".join(f"# {_printable(line)}\n" for line in comments) + to_csv(points)
     if options.out is None:
         sys.stdout.write(text)
     else:
         write_whole(Path(options.out), text.encode(), force=options.force)
-        shown = [f"{len(points)} points in {options.out}", *told, "", compare]
-        print("\n".join(shown))
+        from bayescal.report.blocks import Listing
+        from bayescal.report.terminal import printed
+
+        short = tuple(map(str.strip, _told(truth, "{:.6g}".format)))
+        text = printed((Listing(short, "about"),))
+        print(f"{len(points)} points in {options.out}\n{text}\n{compare}")
     return DONE
 
 
@@ -140,14 +145,14 @@ def _like(name: str | None) -> Correspondences | None:
     return load(name) if name else thesis()
 
 
-def _told(truth: Truth) -> list[str]:
-    """Lines that say what the points were made with."""
+def _told(truth: Truth, number: Callable[[float], str]) -> list[str]:
+    """Lines that say what the points were made with, coefficients written by `number`."""
     lines = []
     for axis, t in truth.axes.items():
         strength = f", tau {t.tau:g}" if t.tau is not None else ""
         lines.append(f"truth of {axis}: order {t.order}, sigma {t.sigma:g} px{strength}")
         symbol = "alpha" if axis == "r" else "beta"
-        values = ", ".join(repr(v) for v in t.coefficients.tolist())
+        values = ", ".join(map(number, t.coefficients.tolist()))
         lines.append(f"  {symbol}, px, of ({t.regressor})^0, ^1, ...: {values}")
         ends = f"{t.domain.lower:.4g} to {t.domain.upper:.4g}"
         values = ", ".join(f"{v:.4g}" for v in t.amplitudes.tolist())

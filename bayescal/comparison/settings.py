@@ -40,7 +40,7 @@ class Settings:
         Effective samples wanted of every parameter.
     defend : bool, optional
         Also answer a referee: leave-one-out, sensitivity to the prior, stability under
-        removal and resampling of points, orders beyond the range (some 15 seconds more).
+        removal and resampling of points, orders beyond the range (some ten seconds more).
     noise : str, optional
         ``"gaussian"``, ``"student-t"`` (heavy tails) or ``"outlier-mixture"`` (good and
         bad points); the latter two are sampled without a closed form, which takes longer.

@@ -34,6 +34,7 @@ def test_the_printed_command_finds_the_truth(tmp_path, capsys):
     assert found["axes"]["r"]["verdict"]["order"] == 2
     assert found["axes"]["c"]["verdict"]["order"] == 1
     text = place.read_text()
+    assert printed[2].endswith(": 900, -1200, 550")  # the digits that people read; the file has all
     assert f"# compare with: {printed[-1]}\n" in text
     assert re.search(r"^#   alpha, px, .*: 900\.0, -1200\.0, 550\.0$", text, re.MULTILINE)
 

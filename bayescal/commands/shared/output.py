@@ -50,7 +50,7 @@ def add_progress(group: argparse._ArgumentGroup) -> None:
     option(
         group,
         "--progress",
-        "progress bar (on a terminal, after a second)",
+        "progress bar (on a terminal, after half a second)",
         action=argparse.BooleanOptionalAction,
     )
 
