@@ -33,6 +33,7 @@ class Verdict(ABC):
     """
 
     noun: ClassVar[str] = "one"  # what a candidate is called
+    nouns: ClassVar[str] = "ones"
 
     compared: int
     plausible: tuple[Any, ...]
@@ -84,12 +85,13 @@ class Verdict(ABC):
     @property
     def not_excluded(self) -> str:
         """What else is plausible, in a few words; empty where nothing is."""
-        first, *more = (str(name) for name in self.plausible[1:]) if self.others else [""]
-        if len(more) > 1:
-            first += f" and {counted(len(more), 'other')}"
-        elif more:
-            first += f" and {more[0]}"
-        return f"{first} not excluded" if first else ""
+        if not self.others:
+            return ""
+        first, *more = (str(name) for name in self.plausible[1:])
+        if not more:
+            return f"{self.noun} {first} not excluded"
+        rest = more[0] if len(more) == 1 else counted(len(more), "other")
+        return f"{self.nouns} {first} and {rest} not excluded"
 
     def _open_briefly(self) -> str:
         """Say in a few words how matters stand where others are plausible."""

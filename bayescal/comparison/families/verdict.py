@@ -34,6 +34,7 @@ class FamilyVerdict(Verdict):
     """
 
     noun: ClassVar[str] = "model"
+    nouns: ClassVar[str] = "models"
 
     best: Key
     plausible: tuple[Key, ...]

@@ -30,6 +30,7 @@ class LensVerdict(Verdict):
     """
 
     noun: ClassVar[str] = "lens"
+    nouns: ClassVar[str] = "lenses"
 
     best: str
     plausible: tuple[str, ...]

@@ -59,9 +59,9 @@ def test_what_else_is_plausible_is_named_where_it_is_short(wrong: LensComparison
         return replace(wrong.verdict, plausible=names, chances=chances).not_excluded
 
     assert said("a") == ""
-    assert said("a", "b") == "b not excluded"
-    assert said("a", "b", "c") == "b and c not excluded"
-    assert said("a", "b", "c", "d") == "b and 2 others not excluded"
+    assert said("a", "b") == "lens b not excluded"
+    assert said("a", "b", "c") == "lenses b and c not excluded"
+    assert said("a", "b", "c", "d") == "lenses b and 2 others not excluded"
 
 
 def test_every_outlet_says_the_same(wrong: LensComparison, tmp_path: Path) -> None:

@@ -36,7 +36,8 @@ from bayescal.report.views.lenses.words import (
     bow_words,
     columns_words,
     error_words,
-    lens_footnotes,
+    impossible_words,
+    not_shown_words,
     parameters_note,
     places_note,
     sampling_words,
@@ -67,7 +68,7 @@ def brief(found: LensComparison) -> Blocks:
     return (
         *listed(about(found), "about"),
         Facts(tuple(assumed(found))),
-        lenses(found),
+        lenses(found, *not_shown_words(found)),
         *verdict_blocks(found.verdict, "Verdict"),
         *bad(found, SHOWN_BAD),
         *gross(found),
@@ -77,11 +78,12 @@ def brief(found: LensComparison) -> Blocks:
     )
 
 
-def lenses(found: LensComparison) -> Tabled:
-    """Show the most probable lenses."""
+def lenses(found: LensComparison, *notes: str) -> Tabled:
+    """Show the most probable lenses, with notes beside the table's own."""
     caption = "Lens models, the most probable first."
     shown = lenses_table(found, found.lenses[:SHOWN])
-    return Tabled("lenses", caption, shown, tuple(lens_footnotes(found)), columns_words())
+    notes = (*impossible_words(found), *notes)
+    return Tabled("lenses", caption, shown, notes, columns_words())
 
 
 def parameters(found: LensComparison) -> Tabled:

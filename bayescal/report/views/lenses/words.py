@@ -117,15 +117,17 @@ def columns_words() -> tuple[str, ...]:
     )
 
 
-def lens_footnotes(found: LensComparison) -> list[str]:
-    """Say which lenses the table does not show."""
-    lines = []
-    if found.impossible:
-        lines.append(f"Not possible, some point can't be seen: {', '.join(found.impossible)}.")
-    if len(found.lenses) > SHOWN:
-        rest = ", ".join(j.name for j in found.lenses[SHOWN:])
-        lines.append(f"Less probable: {rest} (in numbers in the report and in --json).")
-    return lines
+def impossible_words(found: LensComparison) -> tuple[str, ...]:
+    """Say which lenses no table shows."""
+    if not found.impossible:
+        return ()
+    return (f"Not possible, some point can't be seen: {', '.join(found.impossible)}.",)
+
+
+def not_shown_words(found: LensComparison) -> tuple[str, ...]:
+    """Say which lenses the first table does not show."""
+    rest = ", ".join(j.name for j in found.lenses[SHOWN:])
+    return (f"Less probable: {rest} (the report and --json have their numbers).",) if rest else ()
 
 
 def parameters_note(found: LensComparison) -> str:
