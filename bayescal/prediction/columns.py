@@ -20,6 +20,7 @@ from bayescal.prediction.target import SOURCES as TARGET_SOURCES
 NO_SOLUTION = "nothing in the calibrated domain appears there"
 NO_MEETING = "no ray there, or it does not meet the surface in front of the camera"
 NO_DIRECTION = "no direction of the ideal camera appears there"
+NEAR_ZERO = "may be 0"
 NO_DISTANCE = "an end has no solution, or several"
 
 
@@ -95,10 +96,11 @@ def pair_columns(found: Distances) -> dict[str, Any]:
 
 
 def pair_remarks(found: Distances) -> list[str]:
-    """Say of each pair why it has no distance, or no expanded uncertainty."""
+    """Say of each pair why it has no distance or expanded uncertainty, or may be one point."""
+    known = zip(found.found, found.certain, found.apart, found.share, strict=True)
     return [
-        NO_DISTANCE if not ok else "" if certain else few_words(share)
-        for ok, certain, share in zip(found.found, found.certain, found.share, strict=True)
+        NO_DISTANCE if not ok else few_words(share) if not certain else NEAR_ZERO * (not apart)
+        for ok, certain, apart, share in known
     ]
 
 

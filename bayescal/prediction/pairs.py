@@ -28,6 +28,10 @@ from bayescal.prediction.measuring import (
     weighted_quantile,
 )
 
+# Ends 2.45 sd of their difference apart, as far as 95 % of measurements of one point lie from each
+# other, have over the noise of the draws a mean of 2.8 deviations (Rice's distribution).
+APART_BY = 2.8
+
 
 @dataclass(frozen=True, eq=False)
 class Distances:
@@ -71,6 +75,11 @@ class Distances:
     def certain(self) -> BoolArray:
         """Which pairs have an expanded uncertainty, ``(n,)``."""
         return np.isfinite(self.expanded)
+
+    @property
+    def apart(self) -> BoolArray:
+        """Which distances are told from 0, ``(n,)``: two measurements of one point are closer."""
+        return np.asarray(self.values > APART_BY * self.u)
 
     @property
     def k(self) -> Array:

@@ -72,6 +72,7 @@ def test_pairs_end_in_a_statement(run, tmp_path):
     assert "For a certificate:" in done.out
     assert "coverage probability 95%" in " ".join(done.out.split())
     assert "an end has no solution" in done.out
+    assert "may be 0" not in done.out
     assert not_a_number(done.out) == []
     assert max(map(len, done.out.splitlines())) <= 100
 
@@ -106,3 +107,16 @@ def test_a_stated_depth_is_exact(run, pixels):
     row = next(line for line in done.out.splitlines() if line.split()[:1] == ["1"])
     assert row.split()[3] == "300.000"
     assert row.split()[-1] == "0"
+
+
+def test_two_ends_at_one_pixel_are_not_told_from_one_point(run, tmp_path):
+    """Truth: a distance of 0, whose mean over noise is not; the certificate takes the next one."""
+    (tmp_path / "pairs.csv").write_text("r1,c1,r2,c2\n900,500,900,500\n900,500,950,500\n")
+    words = (run, tmp_path / "pairs.csv", "--pairs", "--depth", "300")
+    rows = list(csv.DictReader(io.StringIO(here("locate", *words, "--out", "-").out)))
+    assert [row["note"] for row in rows] == ["may be 0", ""]
+    shown = here("locate", *words).out
+    assert "may be 0: noise alone" in shown
+    told = shown.split("For a certificate: ")[1].split()[0]
+    assert float(told) == pytest.approx(float(rows[1]["distance"]), rel=0.01)
+    assert max(map(len, shown.splitlines())) <= 100

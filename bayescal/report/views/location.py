@@ -9,6 +9,7 @@ from bayescal.points.tables.partial import PartialTable
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.calibrated.members import KEPT, BoolArray
 from bayescal.prediction.columns import (
+    NEAR_ZERO,
     NO_MEETING,
     NO_SOLUTION,
     location_remarks,
@@ -148,8 +149,9 @@ def _statement(found: Distances) -> list[str]:
     """Say what a certificate can of the first distance, and where propagation is not linear."""
     good, certain = np.flatnonzero(found.found), np.flatnonzero(found.certain)
     lines = []
-    if certain.size:
-        i = int(certain[0])
+    told = np.flatnonzero(found.certain & found.apart)
+    if told.size:
+        i = int(told[0])
         expanded, error = float(found.expanded[i]), found.expanded_error[i]
         lines.append(
             f"For a certificate: {rounded(float(found.values[i]), expanded)} ± "
@@ -163,6 +165,8 @@ def _statement(found: Distances) -> list[str]:
             f"% of draws answer: of fewer than {100 * FEW:g}% of the draws no interval can hold "
             f"{100 * found.probability:g}%: no U. u is of the draws that have a distance."
         )
+    if NEAR_ZERO in pair_remarks(found):
+        lines.append(f"{NEAR_ZERO}: noise alone sets two measurements of one point so far apart.")
     if good.size:
         apart = np.abs(found.u - found.linear_u)[good] > APART * found.u[good]
         lines.append(agreement("Linear propagation (JCGM 100)", int(apart.sum()), "pair"))
