@@ -11,7 +11,9 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser
 
 import bayescal as bc
+from bayescal.report.page.page import html, page_of
 from bayescal.report.typography import typeset
+from bayescal.report.views.families.tables import models_table, shortlist
 from tests.helpers.command import here
 from tests.helpers.page import read
 
@@ -105,3 +107,24 @@ def test_it_is_accessible_and_fits(browser: Browser, page: Path, width: int, sch
 
 def test_it_prints(page: Path) -> None:
     assert page.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_model_fitted_alone_has_no_rivals_on_its_page() -> None:
+    """One model has no probability among others, and no picture of them."""
+    found = bc.fit_family(bc.thesis(), "bivariate", (1,))
+    text = html(page_of(found, "bayescal fit"))
+    assert "<h1>A camera model in full</h1>" in text
+    assert 'id="figure-models"' not in text
+    assert models_table(found, [0]).rows[0][-1].text == ""
+
+
+def test_tables_of_models_go_on_where_the_first_one_ends() -> None:
+    """Truth: 16 models by closed forms; every one once, the most probable alone marked."""
+    found = bc.compare_families(bc.thesis(), ["separable"], [1, 2, 3, 4], position=["stated"])
+    first = shortlist(found)
+    rest = [i for i in range(len(found.models)) if i not in first]
+    tables = models_table(found, first), models_table(found, rest)
+    shown = [row[1].text for table in tables for row in table.rows]
+    assert len(set(shown)) == len(shown) == len(found.models) == 16
+    assert [table.marked for table in tables] == [0, None]
+    assert 'id="families-rest"' in html(page_of(found, "bayescal compare"))

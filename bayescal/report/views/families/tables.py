@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 
 from bayescal.comparison.criteria.information import ACROSS
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut, paired_difference
@@ -45,9 +45,9 @@ def shortlist(found: FamilyComparison) -> list[int]:
     return out
 
 
-def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
+def models_table(found: FamilyComparison, rows: Sequence[int]) -> Table:
     """One row for each model listed, the most probable first."""
-    best = found.best
+    best, several = found.best, len(found.models) > 1  # one alone has no probability
     values = [m.criteria.values for m in found.models]
     lowest = {
         c.key: min((v[c.key] or 0.0 for v in values if v.get(c.key) is not None), default=0.0)
@@ -82,10 +82,11 @@ def models_table(found: FamilyComparison, rows: Iterable[int]) -> Table:
                 Cell("") if m.loo is None else Cell(elpd_words(m.loo), m.loo.elpd),
                 number_cell(None if m.loo is None else m.loo.se, lambda v: f"{v:.1f}"),
                 _difference(m, best),
-                Cell(percent(found.probabilities[i]), found.probabilities[i]),
+                number_cell(found.probabilities[i] if several else None, percent),
             )
         )
-    return Table(columns, tuple(cells), 0, True, ("dAIC", "K", "±"), naming=3)
+    marked = 0 if 0 in rows[:1] else None
+    return Table(columns, tuple(cells), marked, True, ("dAIC", "K", "±"), naming=3)
 
 
 def _above(value: float | None, lowest: float) -> Cell:

@@ -96,13 +96,16 @@ def full(found: FamilyComparison) -> Blocks:
 
 def section(found: FamilyComparison) -> Section:
     """Show the verdict across families, its numbers, and what they assume."""
-    blocks: list[Block] = [Answers(_answers(found)), *verdict(found), _figure(found, "models")]
-    table = models(found, "folded away below")
-    blocks.append(table)
-    if len(table.table.rows) < len(found.models):
-        every = models_table(found, range(len(found.models)))
-        table = Tabled("families-all", "Every model compared.", every)
-        blocks.append(Details("Every model compared", (table,)))
+    blocks: list[Block] = [Answers(_answers(found)), *verdict(found)]
+    if len(found.models) > 1:
+        blocks.append(_figure(found, "models"))
+    blocks.append(models(found, "folded away below"))
+    first = set(shortlist(found))
+    rest = [i for i in range(len(found.models)) if i not in first]
+    if rest:
+        title = "The other models compared"
+        table = Tabled("families-rest", f"{title}.", models_table(found, rest))
+        blocks.append(Details(title, (table,)))
     blocks.append(Part("What was assumed", (Facts(_assumed(found)),)))
     return Section(
         "other-models",
@@ -140,8 +143,15 @@ def headlines(found: FamilyComparison) -> list[str]:
     return [found.verdict.text]
 
 
+def title(found: FamilyComparison) -> str:
+    """Head a page."""
+    if len(found.models) == 1:
+        return "A camera model in full"
+    return "The order, or the model? Families of camera models compared"
+
+
 VIEWS = Views(
-    lambda _: "The order, or the model? Families of camera models compared",
+    title,
     about,
     brief,
     full,

@@ -56,6 +56,11 @@ def orders_table(axis: AxisComparison) -> Table:
         if known
         else _column("p F", "p (F)", P_F, lambda r: r.goodness.f_p_value, p_words)
     )
+    several = len(axis) > 1  # one order alone has no probability
+
+    def chance(result: OrderResult) -> float | None:
+        return result.probability if several else None
+
     columns = [
         _column("p", "p", "number of coefficients", lambda r: r.order + 1, lambda v: f"{v:.0f}"),
         _column("RSS px²", "RSS, px²", "residual sum of squares", lambda r: r.rss_px2, _short),
@@ -70,7 +75,7 @@ def orders_table(axis: AxisComparison) -> Table:
             for above in (_delta(axis, c.key),)
         ),
         _column("ln Z", "ln Z", LN_Z, lambda r: r.log_evidence, _fixed(2)),
-        _column("prob.", "probability", PROBABILITY, lambda r: r.probability, percent),
+        _column("prob.", "probability", PROBABILITY, chance, percent),
     ]
     return order_table(
         [r.order for r in axis.orders],
