@@ -277,7 +277,8 @@ class LensComparison(Evidenced, convert.Converts, Lists[str, JudgedLens]):
         ]
         caption = f"{len(self.views)} views; {self.verdict.text}"
         shown = table(caption, heads, rows, marked=0)
-        return shown + bullets("Caveats", self.verdict.caveats)
+        bad = [] if self.bad is None else [p.words for p in self.bad.points]
+        return shown + bullets("Bad points", bad) + bullets("Caveats", self.verdict.caveats)
 
     def __repr__(self) -> str:
         lines = [f"<LensComparison: {len(self.lenses)} lenses over {len(self.views)} views"]

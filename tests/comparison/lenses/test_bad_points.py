@@ -17,6 +17,8 @@ import pytest
 import bayescal as bc
 from bayescal.calibration.judging.bad_points import log_prior
 from bayescal.comparison.lenses.results import LensComparison
+from bayescal.report.figures.lenses import vectors
+from bayescal.report.figures.lenses import views as panels
 from bayescal.report.terminal import render
 from bayescal.report.views.lenses.views import brief, residuals_section, verdict_section
 from tests.helpers import boards
@@ -154,9 +156,21 @@ def test_every_outlet_names_the_points(mixed: LensComparison, tmp_path: Path) ->
         assert sentence in " ".join(shown.split())
     for shown in outlets[:2]:
         assert "uniform on 0 to 1" in " ".join(shown.split())
-    for shown in (outlets[0], render(residuals_section(mixed).blocks, terminal=False)):
+    page = render(residuals_section(mixed).blocks, terminal=False)
+    for shown in (outlets[0], page, outlets[2]):
         for name in NAMES:
             assert name in shown.replace(sentence, "")
+
+
+def test_points_taken_for_bad_are_crossed_where_they_were_measured(mixed: LensComparison) -> None:
+    rows = [mixed.views.slices[view].start + place for view, place in MOVED]
+    (crosses,) = vectors.draw(mixed).axes[0].lines
+    drawn = np.array(crosses.get_xydata())
+    assert sorted(map(tuple, drawn)) == sorted(map(tuple, mixed.views.pixels[rows]))
+    assert vectors.alt_text(mixed).startswith("Residuals of 321 points")
+    assert vectors.alt_text(mixed).endswith("Crosses: 3 points taken for bad.")
+    first = panels.draw(mixed).axes[3].lines
+    assert [len(line.get_xydata()) for line in first] == [2]
 
 
 def test_an_interruption_changes_nothing(mixed: LensComparison, tmp_path: Path) -> None:

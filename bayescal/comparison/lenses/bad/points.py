@@ -10,7 +10,7 @@ import numpy as np
 
 from bayescal.calibration.judging.bad_points import BadPoints
 from bayescal.points.views.views import Views
-from bayescal.rounding import significant
+from bayescal.rounding import percent, significant
 
 TOLD = 0.05  # probability: points less likely bad are not listed
 
@@ -28,7 +28,8 @@ class BadPoint:
     place : str
         File and line, or view and point.
     shift : tuple of float
-        Observed less where the good points put it, r and c, px.
+        Observed less where the good points put it, r and c, px; NaN where the best lens can't see
+        it.
     probability : float
         Of being bad, the lenses averaged.
     left_out : bool
@@ -53,6 +54,17 @@ class BadPoint:
         """As `--without` takes it."""
         return f"{self.view}:{self.label}"
 
+    @property
+    def words(self) -> str:
+        """Which it is, how far it is off and how probably bad."""
+        return f"{self.far}: {percent(self.probability)}"
+
+    @property
+    def far(self) -> str:
+        """Which it is, and how far off where the best lens can say so."""
+        far = f", off by {significant(self.size)} px" if math.isfinite(self.size) else ""
+        return f"{self.name}{far}"
+
 
 @dataclass(frozen=True)
 class Bad:
@@ -74,11 +86,10 @@ class Bad:
         gone = self.left_out
         if not gone:
             return f"No point of {n} is taken for bad."
-        worst = max(gone, key=lambda point: point.size)
-        what = f"{worst.name}, off by {significant(worst.size)} px"
+        farthest = max(gone, key=lambda point: point.size).far
         if len(gone) == 1:
-            return f"1 of {n} points is taken for bad and left out: {what}."
-        return f"{len(gone)} of {n} points are taken for bad and left out, the farthest {what}."
+            return f"1 of {n} points is taken for bad and left out: {farthest}."
+        return f"{len(gone)} of {n} points are taken for bad and left out, the farthest {farthest}."
 
     @property
     def left_out(self) -> tuple[BadPoint, ...]:

@@ -13,7 +13,7 @@ from bayescal.comparison.lenses.results import LensComparison
 from bayescal.report.figures.comparison.image import arrow_scale, key_length
 from bayescal.report.figures.labels import printable_names
 from bayescal.report.figures.lenses.image import frame
-from bayescal.report.figures.lenses.vectors import draw_vectors, leftovers
+from bayescal.report.figures.lenses.vectors import bad_words, draw_bad, draw_vectors, leftovers
 from bayescal.report.figures.style import GREY, WIDTH, settle, several_panels
 
 KEY = 0.25  # inches above the panels for the arrow that explains the others
@@ -41,6 +41,7 @@ def draw(found: LensComparison) -> Figure:
         panel.spines[:].set_visible(True)
         panel.spines[:].set_color(GREY)
         quivers.append(draw_vectors(panel, *leftovers(found, view), scale, width=0.005))
+        draw_bad(panel, found, view)
         panel.set_title(f"{names[view]}: {sizes[view]:.2f} px", loc="left", fontsize=8)
     for panel in panels[len(chosen) :]:
         panel.set_axis_off()
@@ -75,5 +76,5 @@ def alt_text(found: LensComparison) -> str:
     few = "" if len(shown(found)) == len(sizes) else f" of the {MOST} loudest of {len(sizes)} views"
     return (
         f"Residuals as arrows, a panel per view{few}; root mean square px, the largest: {parts}; "
-        f"the median {np.median(sizes):.2f}."
+        f"the median {np.median(sizes):.2f}.{bad_words(found)}"
     )

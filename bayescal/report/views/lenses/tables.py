@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from bayescal.arrays import finite
 from bayescal.comparison.criteria.leave_one_out import paired_difference
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
@@ -162,7 +163,8 @@ def bad_table(found: LensComparison, most: int) -> Table:
     rows = []
     for point in () if bad is None else bad.points[:most]:
         place = [Cell(point.place)] if lines else []
-        sizes = (number_cell(v, lambda x: f"{x:.2f}") for v in (*point.shift, point.size))
+        far = map(finite, (*point.shift, point.size))
+        sizes = (number_cell(v, lambda x: f"{x:.2f}") for v in far)
         chance = Cell(percent(point.probability), point.probability)
         rows.append((Cell(point.name), *place, *sizes, chance))
     return Table(columns, tuple(rows))

@@ -230,4 +230,6 @@ def _together(found: Converts, name: str, id: str) -> Tabled:
 
 
 def _figure(found: LensComparison, name: str) -> Figure:
-    return Figure(name, found, CAPTIONS[name])
+    crosses = " Crosses: points taken for bad."
+    crossed = name in ("vectors", "views") and found.bad is not None and found.bad.left_out
+    return Figure(name, found, CAPTIONS[name] + (crosses if crossed else ""))
