@@ -141,7 +141,8 @@ def _swept(
         judged = judge_all(sweep, store, settings, lambda key: progress(str(key)))
         if not judged:
             raise InputError("calibrate: no lens can see all points of these views")
-        best = max(judged, key=lambda j: j.log_evidence)
+        met = [j for j in judged if math.isfinite(j.log_evidence_error)] or judged
+        best = max(met, key=lambda j: j.log_evidence)
         if best.mixed is None:
             break
         bad = tuple(np.flatnonzero(best.mixed.sets.likely).tolist())
