@@ -11,12 +11,19 @@ import json
 import math
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 
 import bayescal as bc
 from bayescal.calibration.judging.bad_points import log_prior
+from bayescal.calibration.judging.laplace import Level
+from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import LensComparison
+from bayescal.comparison.lenses.sweep import Sweep
+from bayescal.comparison.settings import Settings
+from bayescal.comparison.store import Store
+from bayescal.report.document.shared import schema
 from bayescal.report.figures.lenses import vectors
 from bayescal.report.figures.lenses import views as panels
 from bayescal.report.terminal import render
@@ -122,6 +129,28 @@ def test_a_lens_too_simple_does_not_win_by_calling_points_bad() -> None:
     assert found.bad.points == ()
 
 
+@pytest.mark.parametrize(("independent", "within"), [(True, 0.02), (False, 0.1)])
+def test_a_point_in_doubt_is_summed_over_from_either_set(independent: bool, within: float) -> None:
+    """Truth: two evidences by draws, with the point and without, each with the other's set added.
+
+    Error models are averaged for the one set, and not anew for the sets about it.
+    """
+    place = 3 * 54 + 20
+    views = moved(seen(), {(3, 20): (0.87, 0.0)})  # as likely bad as good, about
+    request = LensRequest(lenses=("radial 2",), independent=independent, noise="mixture")
+    without, among = (
+        next(iter(Sweep(views, request, Level(None), bad=bad))).judge(Store(), Settings())
+        for bad in ((place,), ())
+    )
+    assert without.mixed is not None
+    assert among.mixed is not None
+    assert among.evidence.log_evidence < without.evidence.log_evidence - 10
+    assert among.log_evidence == pytest.approx(without.log_evidence, abs=within)
+    chances = [one.mixed.sets.chance[3, 20] for one in (without, among)]
+    assert 0.02 < chances[0] < 0.98
+    assert chances[1] == pytest.approx(chances[0], abs=within)
+
+
 def test_two_corners_taken_for_each_other_are_found(mixed: LensComparison) -> None:
     pixels = mixed.views.pixels
     start = mixed.views.slices[2].start
@@ -140,6 +169,7 @@ def test_every_outlet_names_the_points(mixed: LensComparison, tmp_path: Path) ->
     assert (again.verdict, again.bad) == (mixed.verdict, mixed.bad)
     assert [j.log_evidence for j in again.lenses] == [j.log_evidence for j in mixed.lenses]
     told = json.loads((run / "result.json").read_text(encoding="utf-8"))
+    jsonschema.validate(told, schema("lenses"))
     assert told["settings"]["noise"] == told["noise"]["kind"] == "mixture"
     assert 0 < told["noise"]["bad_fraction"] < 0.05
     assert {f"{p['view']}:{p['point']}" for p in told["bad_points"] if p["left_out"]} == set(NAMES)
