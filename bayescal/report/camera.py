@@ -51,4 +51,8 @@ def _reopened(folder: Path) -> CalibratedCamera:
     from bayescal.prediction.calibrated.sources import camera_of
     from bayescal.report.runs import open_run
 
-    return camera_of(open_run(folder))
+    result = open_run(folder)
+    try:
+        return camera_of(result)
+    except InputError as error:
+        raise InputError(f"{folder}: {error}") from None

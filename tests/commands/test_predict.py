@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 
 import bayescal as bc
+from bayescal.errors import InputError
 from bayescal.report.document.shared import schema
 from tests.helpers.cases import not_a_number
 from tests.helpers.command import here
@@ -148,3 +149,15 @@ def test_workbooks_and_parquet_are_read(run, tmp_path, kind):
     assert found.out == text.out
     assert found.out.count("\n") == 3
     assert f"left out: {name}" in found.err
+
+
+def test_a_run_without_a_camera_is_named(run, points, tmp_path):
+    """A run of one axis, whichever of two it is; and from Python what holds no camera at all."""
+    bc.save_run(bc.compare(bc.thesis(), orders=[1], axis="r", ess=100), tmp_path / "alone")
+    for words in (("predict", tmp_path / "alone", points), ("changed", run, tmp_path / "alone")):
+        done = here(*words)
+        assert done.code == 2
+        assert f"{tmp_path / 'alone'}: the comparison is of one axis alone" in done.err
+        assert done.err.count("\n") == 1
+    with pytest.raises(InputError, match="of the kind dict holds no calibrated camera; take one"):
+        bc.camera({})

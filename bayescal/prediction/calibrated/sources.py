@@ -56,7 +56,10 @@ def camera_of(result: Any) -> CalibratedCamera:
         from bayescal.prediction.calibrated.lenses import lens_camera
 
         return lens_camera(result)
-    raise InputError(f"a {type(result).__name__} holds no calibrated camera")
+    raise InputError(
+        f"a result of the kind {type(result).__name__} holds no calibrated camera; take one of "
+        "compare, fit or calibrate"
+    )
 
 
 def _of_orders(result: Comparison) -> CalibratedCamera:
