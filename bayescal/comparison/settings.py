@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import numbers
+import operator
 from collections.abc import Iterable
 
 from bayescal.errors import InputError
@@ -109,9 +110,14 @@ def checked_orders(orders: Iterable[int], lowest: int = 1) -> tuple[int, ...]:
     Raises
     ------
     InputError
-        Where there is none, or one is not from `lowest` to 20.
+        Where there is none, or one is no whole number from `lowest` to 20.
     """
-    wanted = tuple(sorted({int(k) for k in orders}))
+    try:
+        wanted = tuple(sorted({operator.index(k) for k in orders}))
+    except TypeError:
+        raise InputError(
+            f"orders must be whole numbers, such as [1, 2, 3] or range(1, 6), not {orders!r:.60}"
+        ) from None
     if not wanted:
         raise InputError("no order is given; give at least one, such as 1-5")
     if wanted[0] < lowest or wanted[-1] > HIGHEST_ORDER:

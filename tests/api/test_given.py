@@ -86,3 +86,10 @@ def test_simulated_points_are_public() -> None:
     points, truth = bc.simulate({"r": 2, "c": 1}, 0.5, np.random.default_rng(1))
     assert len(points) == 57
     assert truth.axes["r"].order == 2
+
+
+@pytest.mark.parametrize("orders", [["a"], [2.5], 3, None, [[1, 2]]])
+def test_orders_that_are_no_whole_numbers_are_refused(orders: object) -> None:
+    """2.5 was taken for 2, the others ended in a traceback."""
+    with pytest.raises(bc.InputError, match="orders must be whole numbers"):
+        bc.compare(bc.thesis(), orders)

@@ -121,6 +121,6 @@ def test_a_winner_at_the_edge_is_not_decided_where_nobody_looked_beyond():
     verdict = bc.compare(bc.thesis(), [3, 4], axis="r", noise="student-t", ess=400)["r"].verdict
     assert (verdict.order, verdict.plausible, verdict.decided) == (4, (4,), False)
     assert "not decided: higher orders were not compared" in verdict.text
-    assert "under student-t noise only --defend looks beyond it" in verdict.caveats[0]
+    assert "under this noise only --defend looks beyond it" in verdict.caveats[0]
     inner = bc.compare(bc.thesis(), [1, 2], axis="c", noise="student-t", ess=400)["c"].verdict
     assert "higher orders" not in inner.text

@@ -29,7 +29,7 @@ def edge(case: Case) -> Iterator[Finding]:
     elif at_edge and orders_beyond(axis.data, highest, axis.rule)[0]:
         yield overturns(
             UNSEEN,
-            f"order {highest} is the highest compared, and under {case.shape.name} noise only "
+            f"order {highest} is the highest compared, and under this noise only "
             "--defend looks beyond it: compare more orders",
             "higher orders were not compared",
         )
