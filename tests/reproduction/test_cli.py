@@ -222,7 +222,7 @@ def test_a_folder_that_fails_half_way_leaves_the_earlier_one(tmp_path):
     [
         (["--significance", "2"], "between 0 and 1"),
         (["--significance", "x"], "invalid float value"),
-        (["--sigma", "replicates"], "neither 'inferred' nor a number of px"),
+        (["--sigma", "replicates"], "is neither inferred nor a number of px"),
         (["--sigma", "-1"], "positive number of px"),
         (["--orders", "1-3"], "unrecognized arguments"),
         (["absent.csv"], "no such file"),
