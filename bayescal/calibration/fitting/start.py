@@ -19,7 +19,7 @@ from bayescal.calibration.model.observations import Observations
 
 FOCAL_LENGTHS = np.geomspace(0.2, 5.0, 14)  # widths
 TRIED = 3  # focal lengths whose fits are followed to the end
-FEW_STEPS = 6
+FEW_STEPS = 8
 
 
 def start_fit(model: LensModel, data: Observations) -> Fit:

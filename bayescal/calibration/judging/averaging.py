@@ -17,7 +17,7 @@ from bayescal.calibration.model.error_grid import Node
 from bayescal.calibration.model.strengths import strengths
 from bayescal.inference.weighting import resampled
 
-FEWEST = 20  # draws at a time from an error model: fewer can't be picked by their weights
+FEWEST = 50  # draws at a time from an error model: fewer can't be picked by their weights
 
 
 class ErrorAverage:
@@ -31,7 +31,7 @@ class ErrorAverage:
     def _offering(self) -> Problem:
         """Offer other error models the strengths that matter under the best of them."""
         problem = self.evidence.problem
-        likely = strengths(problem.model).only(problem.laplace.likely)
+        likely = strengths(problem.model).only(problem.laplace.likely())
         found = replace(problem, offered=likely)
         found.__dict__["stack"] = problem.stack
         return found

@@ -22,6 +22,7 @@ from bayescal.arrays import Array, IntArray, in_parts
 from bayescal.calibration.fitting.reduction import Reduced, Views, eliminate, pose_response, reduce
 from bayescal.calibration.fitting.stacking import Poses, Stacked, pose_slopes, residuals, stacked
 from bayescal.calibration.judging.laplace import (
+    ENOUGH,
     INFERRED,
     Forms,
     Laplace,
@@ -39,6 +40,7 @@ from bayescal.inference.t_mixture import cholesky
 from bayescal.prior.strength import Strength
 
 AT_A_TIME = 50_000  # numbers of residuals
+EXTRAPOLATED = 6.0  # deviations up to which a log determinant is, from steps of one
 MUCH, MORE_STEPS = 0.5, 4  # share of squares that poses' first step may take; steps after it
 
 
@@ -152,8 +154,7 @@ class Problem:
     def log_likelihood(self, x: Array) -> Array:
         """Log likelihood with poses, offsets and sigma integrated; -inf where impossible."""
         u = solve_triangular(self.spread, (x - self.x).T, lower=True).T
-        slope, bend = self._log_det_response
-        return self.likelihood_of(self.squares(x), u @ slope + u**2 @ bend)
+        return self.likelihood_of(self.squares(x), at_steps(u, self._log_det_response))
 
     def likelihood_of(self, squares: Array, log_det_change: Array) -> Array:
         """Log likelihood of smallest sums of squares, ``(n_draws,)``.
@@ -236,7 +237,7 @@ class Problem:
     def likely_strengths(self) -> Strengths:
         """Combinations of strengths that matter, of few: enough to find modes by."""
         prior = strengths(self.model, COARSE)
-        return prior.only(self.laplace_over(prior).likely)
+        return prior.only(self.laplace_over(prior).likely(ENOUGH))
 
     @cached_property
     def laplace(self) -> Laplace:
@@ -277,3 +278,13 @@ def both_sides(values: Array) -> tuple[Array, Array]:
     """First and second order of what is 0 at the middle, from steps up along each axis and down."""
     up, down = np.split(values, 2)
     return (up - down) / 2, (up + down) / 2
+
+
+def at_steps(u: Array, orders: tuple[Array, Array]) -> Array:
+    """Sum first and second order at steps ``(n, d)``, ``(n,)``; no further than is extrapolated.
+
+    Along a ridge draws are tens of deviations away, where a parabola is of no use.
+    """
+    u = np.clip(u, -EXTRAPOLATED, EXTRAPOLATED)
+    first, second = orders
+    return np.asarray(u @ first + u**2 @ second)

@@ -11,6 +11,7 @@ from scipy.special import logsumexp, softmax
 from bayescal.arrays import Array
 from bayescal.calibration.judging.density import Problem
 from bayescal.calibration.judging.expansion import Expansion
+from bayescal.calibration.judging.laplace import ENOUGH
 from bayescal.calibration.model.strengths import COARSE, strengths
 from bayescal.inference.estimate import EvidenceEstimate, from_weights
 from bayescal.inference.optimum import Mode
@@ -22,7 +23,7 @@ from bayescal.inference.weighting import resampled
 SETTLE_STEPS, HALVINGS = 20, 6
 HEADROOM = 5.0  # nat: the likelihood is largest somewhat beside the posterior's mean
 SLACK = 1.0  # nat: a posterior's mean may lie lower than where a step begins
-NEAR = 0.01  # posterior deviations: a step this short leaves a reference that is settled
+NEAR = 0.02  # posterior deviations: a reference whose step would be shorter is settled
 COMPONENTS, COVERED = 40, 0.999  # of the mixture; share of the mass they hold
 DRAWS = 2000
 CORRECTED = 50  # draws at which an expansion is corrected
@@ -46,6 +47,8 @@ def settled(problem: Problem) -> Problem:
         found = problem.laplace_over(prior)
         step, sd = found.mean, np.sqrt(np.diag(found.covariance))
         far = float(np.abs(step / sd).max())
+        if far < NEAR:
+            break
         for _ in range(HALVINGS):
             moved = problem.moved(step)
             new = height(moved)
@@ -56,10 +59,8 @@ def settled(problem: Problem) -> Problem:
             break
         problem, highest = moved, new
         if far < 1:
-            prior = prior.only(found.likely)
+            prior = prior.only(found.likely(ENOUGH))
             problem.__dict__["likely_strengths"] = prior
-        if far < NEAR:
-            break
     return problem
 
 

@@ -19,7 +19,7 @@ from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array
 from bayescal.calibration.fitting.stacking import residuals
-from bayescal.calibration.judging.density import Problem, both_sides
+from bayescal.calibration.judging.density import Problem, at_steps, both_sides
 
 CHECKED = 30  # lenses where it is compared with the density
 NEAR = 0.05  # nat: root mean square over the posterior that it may be off
@@ -98,8 +98,8 @@ class Expansion:
 
     def log_likelihood(self, x: Array) -> Array:
         """Log likelihood with poses, offsets and sigma integrated, ``(n_draws,)``."""
-        u, (slope, bend) = self._u(x), self._log_det_response
-        return self.problem.likelihood_of(self.squares(x), u @ slope + u**2 @ bend)
+        change = at_steps(self._u(x), self._log_det_response)
+        return self.problem.likelihood_of(self.squares(x), change)
 
     def log_prob(self, x: Array) -> Array:
         """Log likelihood times prior, ``(n_draws,)``."""

@@ -10,14 +10,20 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.calibration.fitting.least_squares import Fit, with_bow
 from bayescal.calibration.fitting.reduction import Sums, eliminate_independent, reduce
 from bayescal.calibration.fitting.stacking import Poses
 from bayescal.calibration.judging.density import Problem
 from bayescal.calibration.judging.evidence import adapted, ceiling, height, settled, weighed
 from bayescal.calibration.judging.expansion import Expansion, expanded, near
 from bayescal.calibration.judging.laplace import Forms, Laplace, Level, constant, degrees, laplace
-from bayescal.calibration.model.error_grid import Averaged, ErrorGrid, Node, follow
+from bayescal.calibration.model.error_grid import (
+    INDEPENDENT,
+    Averaged,
+    ErrorGrid,
+    Node,
+    carried_over,
+    follow,
+)
 from bayescal.calibration.model.error_model import Geometry, Shared
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.calibration.model.observations import Observations
@@ -28,6 +34,7 @@ NEARLY = 1.0  # nat: nodes looked at before residuals are linearised about the b
 AT_ONCE = 2_000_000  # numbers of offsets' precisions: 16 MB
 FEWEST = 20  # effective draws: fewer tell nothing
 UNMET = "its posterior was not found; the likelihood at its fit bounds its evidence from above"
+BEYOND, FEWER = 10.0, 4  # nat below another lens from where on so many times fewer draws are made
 KEPT = 64  # normal equations held at a time: up to some MB each
 
 
@@ -59,6 +66,10 @@ class Setting:
             grid = replace(grid, correlated=False, offsets=False)
         bow = data.planar and not independent
         return cls(data, geometry, grid, geometry.pixel, level, bow)
+
+    def model(self, model: LensModel) -> LensModel:
+        """Give a lens, told without bow, the bow that its target may have."""
+        return model.bowed if self.bow else model
 
     def problem(self, model: LensModel, x: Array, poses: Poses, node: Node) -> Problem:
         """Put a lens and poses under an error model."""
@@ -112,8 +123,7 @@ class LensEvidence:
     @classmethod
     def of(cls, found: Weighed, model: LensModel, setting: Setting) -> LensEvidence:
         """Put a lens, told without bow, where it was found."""
-        bowed = replace(model, bow=True) if setting.bow else model
-        problem = setting.problem(bowed, found.x, found.poses, found.errors.nodes[0])
+        problem = setting.problem(setting.model(model), found.x, found.poses, found.errors.nodes[0])
         return cls(found.errors, problem, found.estimate, found.log_evidence)
 
     @cached_property
@@ -127,11 +137,12 @@ class LensEvidence:
 
 def lens_evidence(
     model: LensModel,
-    fits: Sequence[Fit],
+    begin: Sequence[tuple[Array, Poses]],
     setting: Setting,
-    start: tuple[Node, ...],
+    like: Averaged | None,
     rng: np.random.Generator,
     draws: int,
+    highest: float = -math.inf,
 ) -> Weighed:
     """Compare the error models under a lens, and weigh the lens under the best of them.
 
@@ -139,26 +150,40 @@ def lens_evidence(
     ----------
     model : LensModel
         Without bow.
-    fits : sequence of Fit
-        Its least squares, and those of lenses that it contains: coefficients that cancel each
-        other fit best where the posterior is not.
-    start : tuple of Node
-        Error models to begin from, the likeliest last.
+    begin : sequence of (Array, Poses)
+        Coordinates, with bow or without, and poses of its least squares, and of the modes of
+        lenses that it contains: coefficients that cancel each other fit best where the posterior
+        is not.
+    like : Averaged or None
+        Error models of a lens whose residuals are near to those of this one.
+    draws : int
+        Importance draws; fewer of a lens far below the best.
+    highest : float, optional
+        Largest log evidence of the lenses before.
     """
+    start = setting.grid.starts if like is None else (INDEPENDENT, like.nodes[0])
     node = start[-1]
-    reference = settled(max((_at(model, fit, setting, node) for fit in fits), key=height))
-    for _ in range(TURNS):
-        comparer = _Comparer(reference, setting)
-        best = follow(setting.grid, comparer, (*start, node), NEARLY).nodes[0]
-        if best == node:
-            break
-        # Once more from where that error model has its mode: residuals were linear elsewhere.
-        node, reference = best, settled(setting.under(reference, best))
-    errors = follow(setting.grid, comparer, (*start, node))
+    reference = settled(max((_at(model, *each, setting, node) for each in begin), key=height))
+    comparer = _Comparer(reference, setting)
+    errors = None if like is None else carried_over(setting.grid, comparer, like)
+    if errors is None:
+        for _ in range(TURNS):
+            best = follow(setting.grid, comparer, (*start, node), NEARLY).nodes[0]
+            if best == node:
+                break
+            # Once more from where that error model has its mode: residuals were linear elsewhere.
+            node, reference = best, settled(setting.under(reference, best))
+            comparer = _Comparer(reference, setting)
+        errors = follow(setting.grid, comparer, (*start, node))
     if errors.nodes[0] != node:
-        node = errors.nodes[0]
-        reference = settled(setting.under(reference, node))
-    estimate, _, _ = weighed(expanded(reference), rng, draws)
+        reference = settled(setting.under(reference, errors.nodes[0]))
+    density, far = expanded(reference), highest - BEYOND
+    if errors.log_evidence < far:
+        estimate, _, _ = weighed(density, rng, draws // FEWER)
+        found = _found(errors, reference, estimate, setting)
+        if found.log_evidence < far and math.isfinite(found.estimate.error):
+            return found
+    estimate, _, _ = weighed(density, rng, draws)
     return _found(errors, reference, estimate, setting)
 
 
@@ -181,9 +206,9 @@ def _found(
     return Weighed(errors, reference.x, reference.poses, estimate, total)
 
 
-def _at(model: LensModel, fit: Fit, setting: Setting, node: Node) -> Problem:
-    bowed, begin = with_bow(fit, model) if setting.bow else (model, fit)
-    return setting.problem(bowed, begin.x, begin.poses, node)
+def _at(model: LensModel, x: Array, poses: Poses, setting: Setting, node: Node) -> Problem:
+    bowed = setting.model(model)
+    return setting.problem(bowed, np.pad(x, (0, bowed.dimension - len(x))), poses, node)
 
 
 class _Comparer:
@@ -197,7 +222,11 @@ class _Comparer:
     def _sums(self, correlated: int, length: int) -> tuple[Shared, Sums]:
         geometry, grid = self.setting.geometry, self.setting.grid
         shared = geometry.shared(grid.error((correlated, length, 0, 0)))
-        views = reduce(self.reference.stack, self.setting.data, shared, offsets=grid.offsets)
+        reference = self.reference
+        if shared is reference.shared and (reference.root is not None) == grid.offsets:
+            views = reference.views
+        else:
+            views = reduce(reference.stack, self.setting.data, shared, offsets=grid.offsets)
         if not grid.offsets:
             return shared, views.sums
         return shared, views.sums.turned(geometry.directions, geometry.free)

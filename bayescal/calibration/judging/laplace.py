@@ -29,7 +29,8 @@ REACH = 50.0  # diagonals: positions of the target are uniform within it
 # Rotations are uniform (8 pi^2 is their volume), positions within a ball.
 LOG_POSE = -math.log(8 * math.pi**2) - math.log(4 / 3 * math.pi * REACH**3)
 NEGLIGIBLE = 16.0  # nat below the best: combinations of strengths that are dropped after a step
-LIKELY = 9.0  # nat below the best: those that are enough where evidences are compared
+LIKELY = 9.0  # nat below the best: those that are enough where views are left out
+ENOUGH = 5.0  # those that are enough where modes are sought and error models compared
 UNTOLD = 1e-60  # precision of a coordinate of which points tell nothing
 MANY = 64  # combinations of which some are worth dropping
 STEPS = 4  # of sigma and mode in turn at most: it falls by about a thousand a step near the mode
@@ -91,10 +92,9 @@ class Laplace:
         """Of the model, nat."""
         return float(np.logaddexp.reduce(self.log_mass))
 
-    @property
-    def likely(self) -> IntArray:
-        """Which of the combinations offered hold all but a negligible share."""
-        return self.kept[self.log_mass > self.log_mass.max() - LIKELY]
+    def likely(self, below: float = LIKELY) -> IntArray:
+        """Which of the combinations offered are no further below the best, nat."""
+        return self.kept[self.log_mass > self.log_mass.max() - below]
 
     @property
     def mean(self) -> Array:

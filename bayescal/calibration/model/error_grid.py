@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
+import numpy as np
 from scipy.special import logsumexp
 
 from bayescal.calibration.model.error_model import LARGEST_TARGET, ErrorModel, Geometry
@@ -19,6 +20,7 @@ OFFSETS = (0.0, *(2.0**k for k in range(-4, 4)))
 INDEPENDENT: Node = (0, 0, 0, 0)
 MIDDLE = 3  # level of each part at the second node that is looked at
 KEPT = 5.0  # nat below the best at which a node's neighbours are not looked at any more
+ALIKE = 1.0  # nat: error models that two lenses tell apart alike are not followed anew
 TOGETHER = 8  # nodes whose neighbours are evaluated at once
 FEWEST_VIEWS = 3  # offsets common to fewer views can't be told from the poses
 
@@ -146,7 +148,7 @@ def follow(
     log_evidences: Callable[[Sequence[Node]], Sequence[float]],
     start: Iterable[Node],
     kept: float = KEPT,
-    most: int = 400,
+    most: int = 1000,
 ) -> Averaged:
     """Evaluate nodes outwards from the best until their neighbours don't matter.
 
@@ -184,3 +186,38 @@ def follow(
     return Averaged(
         total, tuple(likely), tuple(math.exp(found[n] - total) for n in likely), len(found)
     )
+
+
+def carried_over(
+    grid: ErrorGrid, log_evidences: Callable[[Sequence[Node]], Sequence[float]], like: Averaged
+) -> Averaged | None:
+    """Average over the nodes that mattered to another lens, where they matter alike to this one.
+
+    The nodes beside them are taken to have the share that they had there.
+
+    Parameters
+    ----------
+    log_evidences : callable
+        As of `follow`.
+
+    Returns
+    -------
+    Averaged or None
+        None where the lenses tell nodes apart differently, or the best one is beside them.
+    """
+    shares = dict(zip(like.nodes, np.log(like.weights).tolist(), strict=True))
+    found: dict[Node, float] = {}
+    # Those that are followed in any case first.
+    for some in ((like.nodes[0], *grid.neighbours(like.nodes[0])), like.nodes):
+        new = [node for node in dict.fromkeys(some) if node not in found]
+        for node, value in zip(new, log_evidences(new), strict=True):
+            found[node] = value + grid.log_prior(node)
+        best = max(found.values())
+        if any(v > best - KEPT + ALIKE for n, v in found.items() if n not in shares):
+            return None
+        if np.ptp([v - shares[n] for n, v in found.items() if n in shares]) > ALIKE:
+            return None
+    order = sorted(like.nodes, key=lambda node: -found[node])
+    total = float(logsumexp([found[n] for n in order])) - math.log(math.fsum(like.weights))
+    weights = tuple(math.exp(found[node] - total) for node in order)
+    return Averaged(total, tuple(order), weights, len(found))

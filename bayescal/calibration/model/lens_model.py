@@ -10,7 +10,7 @@ amplitudes: uniform between finite ones, log-normal above 0, their coordinates s
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -68,6 +68,11 @@ class LensModel:
     square: bool = False
     centred: bool = False
     bow: bool = False
+
+    @cached_property
+    def bowed(self) -> LensModel:
+        """The same lens of a target that may bow: two coordinates more."""
+        return replace(self, bow=True)
 
     @property
     def middle(self) -> Array:

@@ -22,7 +22,7 @@ class Eucm(Axial):
     names = ("alpha", "beta")
     groups = ("shape", "shape")
     powers = (3, 3)
-    start = (0.5, 1.0)
+    start = (0.8, 0.6)
     bounds = ((0.0, 1.0), (0.0, np.inf))
 
     def radius(self, sine: Array, cosine: Array, k: Array) -> tuple[Array, Array]:

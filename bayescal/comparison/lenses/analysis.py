@@ -254,7 +254,8 @@ def _drawn(
     model = SampledLens(best.evidence.density)
 
     def sample() -> SampledPosterior:
-        guess = Guess(*proposal(problem))
+        mixture, modes = proposal(problem)
+        guess = Guess(mixture, modes[:1])  # the others are of other strengths, not apart
         return sample_model(model, for_chains, settings.ess, guess, request.draws)
 
     def average() -> tuple[Array, Array, tuple[Array, ...]]:

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
-from bayescal.arrays import LOG_2PI
+from bayescal.arrays import LOG_2PI, Array
 from bayescal.calibration.fitting.least_squares import Fit, rms
+from bayescal.calibration.fitting.stacking import Poses
 from bayescal.calibration.judging.judge import LensEvidence, Setting, Weighed, lens_evidence
-from bayescal.calibration.model.error_grid import Node
+from bayescal.calibration.model.error_grid import Averaged
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.comparison.lenses.bad.mixture import Mixed, Mixing, mixed
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
@@ -25,12 +26,14 @@ class FittedLens:
 
     Attributes
     ----------
-    below : tuple of Fit
-        Of lenses that it contains, in its coordinates.
-    start : tuple of Node
-        Error models to begin from.
+    below : tuple of (Array, Poses)
+        Modes of lenses that it contains, in its coordinates.
+    like : Averaged or None
+        Error models of the lens before that leaves the most similar residuals.
     draws : int
         Importance draws.
+    highest : float
+        Largest log evidence of the lenses before, bad points apart.
     mixing : Mixing or None
         What lenses share where points may be bad.
     tag : str
@@ -42,10 +45,11 @@ class FittedLens:
     candidate: Candidate
     model: LensModel
     fit: Fit
-    below: tuple[Fit, ...]
+    below: tuple[tuple[Array, Poses], ...]
     setting: Setting
-    start: tuple[Node, ...]
+    like: Averaged | None
     draws: int
+    highest: float
     mixing: Mixing | None
     tag: str
     then: Callable[[JudgedLens], None]
@@ -73,8 +77,10 @@ class FittedLens:
 
     def _weighed(self, seed: int) -> Weighed:
         rng = self.key.rng(seed)
-        fits = self.fit, *self.below
-        return lens_evidence(self.model, fits, self.setting, self.start, rng, self.draws)
+        begin = (self.fit.x, self.fit.poses), *self.below
+        return lens_evidence(
+            self.model, begin, self.setting, self.like, rng, self.draws, self.highest
+        )
 
 
 def with_bad(judged: JudgedLens, found: Mixed | None) -> JudgedLens:

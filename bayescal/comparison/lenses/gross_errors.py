@@ -89,8 +89,8 @@ def _chosen_without(
     fits = [(j, least_squares(j.model, kept, j.fit.x, j.fit.poses)) for j in lenses]
     best, fit = min(fits, key=bic)
     without = replace(setting, data=kept, geometry=Geometry(kept))
-    starts = setting.grid.starts
-    settled = lens_evidence(best.model, (fit,), without, starts, np.random.default_rng(0), DRAWS)
+    begin, rng = [(fit.x, fit.poses)], np.random.default_rng(0)
+    settled = lens_evidence(best.model, begin, without, None, rng, DRAWS)
     return LensEvidence.of(settled, best.model, setting).problem
 
 

@@ -7,33 +7,35 @@ import numpy as np
 from bayescal.arrays import Array, IntArray
 from bayescal.calibration.fitting.reduction import eliminate
 from bayescal.calibration.judging.density import Problem
-from bayescal.calibration.judging.laplace import LOG_POSE, Forms, degrees, laplace
-from bayescal.calibration.model.strengths import strengths
+from bayescal.calibration.judging.laplace import LOG_POSE, Forms, Laplace, degrees, laplace
+from bayescal.calibration.model.strengths import Strengths, strengths
 from bayescal.comparison.criteria.leave_one_out import LeaveOneOut
 
 REFITS = 4  # Gauss-Newton steps at most
-FAR, CLOSE = 0.3, 0.01  # posterior deviations: farther off residuals are linearised anew; till when
+FAR = 0.5  # posterior deviations: farther off residuals are linearised anew
+CLOSE = 0.01  # deviations: halves of the views are fitted until a step is as short
 
 
 def leave_views_out(problem: Problem) -> tuple[LeaveOneOut, Array] | None:
     """Predict each view from the others under the same error model.
 
-    ln p(view | others) is the difference of two evidences, both by linear algebra; with the
-    lens's coordinates without each view, ``(n_views, dimension)``. None for fewer than three
-    views.
+    ln p(view | others) is the difference of two evidences, both by linear algebra, to some
+    hundredths of a nat; with the lens's coordinates without each view, ``(n_views, dimension)``.
+    None for fewer than three views.
     """
     n = problem.data.n_views
     if n < 3:
         return None
-    prior = strengths(problem.model).only(problem.laplace.likely)
+    prior = strengths(problem.model).only(problem.laplace.likely())
     whole = problem.laplace_over(prior)
     sd = np.sqrt(np.diag(whole.covariance))
     densities, lenses = [], []
     for view, rest in enumerate(laplace(_without(problem), problem.x, prior, problem.level)):
         x = problem.x
         if np.abs((rest.mean - whole.mean) / sd).max() > FAR:
-            again = refitted(problem, np.delete(np.arange(n), view), rest.mean)
-            x, rest = again.x, again.laplace_over(prior)
+            others = np.delete(np.arange(n), view)
+            again, rest = refitted(problem, others, prior, rest.mean, FAR)
+            x = again.x
         densities.append(whole.log_evidence - rest.log_evidence)
         lenses.append(x + rest.mean)
     left_out = LeaveOneOut(np.array(densities), refitted=tuple(range(n)))
@@ -56,26 +58,36 @@ def _without(problem: Problem) -> Forms:
     )
 
 
-def refitted(problem: Problem, views: IntArray, step: Array | float = 0.0) -> Problem:
-    """Fit a lens to some of the views.
+def refitted(
+    problem: Problem,
+    views: IntArray,
+    prior: Strengths,
+    step: Array | float = 0.0,
+    close: float = CLOSE,
+) -> tuple[Problem, Laplace]:
+    """Fit a lens to some of the views, and give its posterior from where residuals are linear.
 
     Parameters
     ----------
+    prior : Strengths
+        Combinations of strengths that matter.
     step : Array or float, optional
         From where it is to where the fit begins, ``(dimension,)``.
+    close : float, optional
+        Length of the step from there that ends the fit, posterior deviations.
     """
     found = problem.moved(step).only(views)
     if not found.stack.possible:
         found = problem.only(views)
+    rest = found.laplace_over(prior)
     for _ in range(REFITS):
-        rest = found.laplace_over(problem.likely_strengths)
-        if np.abs(rest.mean / np.sqrt(np.diag(rest.covariance))).max() < CLOSE:
+        if np.abs(rest.mean / np.sqrt(np.diag(rest.covariance))).max() < close:
             break
         moved = found.moved(rest.mean)
         if not moved.stack.possible:
             break
-        found = moved
-    return found
+        found, rest = moved, moved.laplace_over(prior)
+    return found, rest
 
 
 def halves(problem: Problem) -> tuple[Array, ...]:
@@ -83,7 +95,8 @@ def halves(problem: Problem) -> tuple[Array, ...]:
     n = problem.data.n_views
     if n < 6:
         return ()
-    return tuple(refitted(problem, np.arange(first, n, 2)).x for first in (0, 1))
+    prior = problem.likely_strengths
+    return tuple(refitted(problem, np.arange(first, n, 2), prior)[0].x for first in (0, 1))
 
 
 def jackknife(lenses: Array) -> Array:

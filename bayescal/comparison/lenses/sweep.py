@@ -11,12 +11,13 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.calibration.fitting.least_squares import Fit, carried, least_squares
+from bayescal.calibration.fitting.stacking import Poses
 from bayescal.calibration.fitting.start import start_fit
 from bayescal.calibration.fitting.view_levels import view_levels
 from bayescal.calibration.judging.bad_points import marked
 from bayescal.calibration.judging.judge import Setting
 from bayescal.calibration.judging.laplace import Level
-from bayescal.calibration.model.error_grid import INDEPENDENT
+from bayescal.calibration.model.error_grid import Averaged
 from bayescal.calibration.model.error_model import Geometry
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.calibration.model.observations import Observations
@@ -104,9 +105,8 @@ class Sweep:
         self.data = kept
         self.impossible: list[str] = []
         self.failures: list[str] = []
-        self._start = self.setting.grid.starts
         self._fits: dict[str, tuple[LensModel, Fit]] = {}
-        self._evidence: dict[str, float] = {}
+        self._found: dict[str, JudgedLens] = {}
 
     def _levels(self, points: Marks) -> Array:
         return view_levels(self.data.without(points), self._models(FLEXIBLE))
@@ -149,7 +149,7 @@ class Sweep:
         for order in range(most + 1):
             candidates = of_order(order)
             yield from self._fitted(candidates)
-            top = max(self._evidence.get(c.name, -math.inf) for c in candidates)
+            top = max(self._evidence(c.name) for c in candidates)
             if order > sure and top <= best:
                 break
             best = max(best, top)
@@ -172,20 +172,50 @@ class Sweep:
                 candidate,
                 model,
                 fit,
-                below,
+                tuple(self._modes(candidate, model)),
                 self.setting,
-                self._start,
+                self._like(fit),
                 self.request.draws,
+                self._highest,
                 self.mixing,
                 self._tag,
                 self._judged,
             )
 
     def _judged(self, found: JudgedLens) -> None:
-        met = math.isfinite(found.log_evidence_error)
-        self._evidence[found.name] = found.log_evidence if met else -math.inf
-        # The next lens's errors are likely to be those of this one.
-        self._start = tuple(dict.fromkeys((INDEPENDENT, *found.evidence.errors.nodes[:1])))
+        self._found[found.name] = found
+
+    def _evidence(self, name: str) -> float:
+        """Log evidence of a lens; -inf where its posterior was not found."""
+        found = self._found.get(name)
+        met = found is not None and math.isfinite(found.log_evidence_error)
+        return found.log_evidence if found is not None and met else -math.inf
+
+    @property
+    def _highest(self) -> float:
+        """Largest log evidence so far, bad points apart."""
+        found = (j.evidence for j in self._found.values())
+        met = (e.log_evidence for e in found if math.isfinite(e.estimate.error))
+        return max(met, default=-math.inf)
+
+    def _parents(self, candidate: Candidate) -> list[JudgedLens]:
+        """Lenses that a lens contains, the likeliest first."""
+        known = [self._found[name] for name in candidate.parents if name in self._found]
+        return sorted(known, key=lambda j: -self._evidence(j.name))
+
+    def _modes(self, candidate: Candidate, model: LensModel) -> Iterator[tuple[Array, Poses]]:
+        for parent in self._parents(candidate):
+            mode = parent.evidence.problem
+            yield carried(mode.model, mode.x, self.setting.model(model)), mode.poses
+
+    def _like(self, fit: Fit) -> Averaged | None:
+        """Error models of the lens whose residuals are nearest: what makes them is the same."""
+
+        def apart(found: JudgedLens) -> float:
+            return abs(found.fit.sum_of_squares - fit.sum_of_squares)
+
+        nearest = min(self._found.values(), key=apart, default=None)
+        return None if nearest is None else nearest.evidence.errors
 
     def _below(self, candidate: Candidate, model: LensModel) -> tuple[Fit, ...]:
         """Fits of the lenses that a lens contains, in its coordinates."""
@@ -193,12 +223,24 @@ class Sweep:
         return tuple(replace(fit, x=carried(old, fit.x, model)) for old, fit in found)
 
     def _fit(self, model: LensModel, below: Sequence[Fit], lowest: float) -> Fit:
-        """Least squares from every sub-model's fit; begun anew where that leaves much."""
-        tried = [least_squares(model, self.data, fit.x, fit.poses) for fit in below]
+        """Least squares from every sub-model's fit; begun anew where that leaves much.
+
+        A lens without sub-models begins from the poses of the flexible lens that fits best.
+        """
+        begin = [(fit.x, fit.poses) for fit in below] or [self._placed(model)]
+        tried = [least_squares(model, self.data, *each) for each in begin]
         found = min((f.sum_of_squares for f in tried), default=math.inf)
-        if not math.isfinite(found) or found > lowest or self._far(found):
+        # A lens without coefficients, placed by one that has them, has nowhere else to go.
+        local = bool(model.lens.names) and self._far(found)
+        if not math.isfinite(found) or found > lowest or local:
             tried.extend(self._anew(model))
         return min(tried, key=lambda f: f.sum_of_squares)
+
+    def _placed(self, model: LensModel) -> tuple[Array, Poses]:
+        """Coordinates and poses of a lens at its start, placed as a flexible one."""
+        flexible, fit = min(self._flexible, key=lambda pair: pair[1].sum_of_squares)
+        intrinsics, _, _ = flexible.physical(fit.x)
+        return model.coordinates(intrinsics, np.array(model.lens.start)), fit.poses
 
     def _far(self, sum_of_squares: float) -> bool:
         """Whether a fit leaves so much that it may be of a local optimum."""

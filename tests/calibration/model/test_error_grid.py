@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.special import logsumexp
 
-from bayescal.calibration.model.error_grid import ErrorGrid, Node, follow
+from bayescal.calibration.model.error_grid import ErrorGrid, Node, carried_over, follow
 from bayescal.calibration.model.error_model import ErrorModel, Geometry
 from bayescal.calibration.model.observations import Observations
 from tests.helpers import boards
@@ -88,3 +88,22 @@ def test_offsets_have_the_stated_deviation() -> None:
         sd = np.sqrt((root**2).sum(axis=1)).reshape(-1, 3) / 0.01
         np.testing.assert_allclose(sd[:, :2], 0.5, rtol=1e-3)
         np.testing.assert_allclose(sd[:, 2], z, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("drift", "alike"), [(0.05, True), (2.0, False)])
+def test_error_models_are_taken_over_where_they_matter_alike(drift: float, alike: bool) -> None:
+    """Truth: the sum over every node, of a hill and of one that a drift moves by little or more."""
+    grid = ErrorGrid(0.1)
+
+    def height(node: Node, drift: float = 0.0) -> float:
+        return -0.6 * float(((np.array(node) - [6, 3, 5, 2]) ** 2).sum()) + drift * node[2] - 7
+
+    like = follow(grid, lambda nodes: list(map(height, nodes)), [(6, 3, 5, 2)])
+    found = carried_over(grid, lambda nodes: [height(n, drift) for n in nodes], like)
+    assert (found is not None) == alike
+    if found is not None:
+        truth = logsumexp([height(n, drift) + grid.log_prior(n) for n in nodes(grid)])
+        assert found.log_evidence == pytest.approx(truth, abs=0.05)
+        weights = [math.exp(height(n, drift) + grid.log_prior(n) - truth) for n in found.nodes]
+        assert found.weights == pytest.approx(weights, abs=0.01)
+        assert found.tried < like.tried

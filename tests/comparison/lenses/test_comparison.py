@@ -91,10 +91,12 @@ def test_views_left_out_are_the_ratio_of_evidences() -> None:
     found = leave_views_out(problem)
     assert found is not None
     left, without = found
-    rest = refitted(problem, np.arange(1, 8))
-    again = refitted(rest, np.arange(7))  # two more steps move nothing
-    truth = problem.laplace.log_evidence - again.laplace.log_evidence
-    assert left.pointwise[0] == pytest.approx(truth, abs=1e-3)
+    prior = problem.likely_strengths
+    for view in range(8):
+        rest, _ = refitted(problem, np.delete(np.arange(8), view), prior, close=1e-4)
+        truth = problem.laplace.log_evidence - rest.laplace.log_evidence
+        # Residuals are linear within a half a deviation only.
+        assert left.pointwise[view] == pytest.approx(truth, abs=0.01)
     sd = np.sqrt(np.diag(jackknife(without)))
     spread = np.sqrt(np.diag(problem.laplace.covariance))
     # Of eight views: right to a factor of about two.

@@ -18,8 +18,7 @@ from bayescal.calibration.fitting.start import start_fit
 from bayescal.calibration.judging.bad_points import BadPoints, about, search
 from bayescal.calibration.judging.density import Problem
 from bayescal.calibration.judging.judge import LensEvidence, Setting, Weighed, lens_evidence
-from bayescal.calibration.model.error_grid import INDEPENDENT as UNRELATED
-from bayescal.calibration.model.error_grid import Node
+from bayescal.calibration.model.error_grid import Averaged
 from bayescal.calibration.model.error_model import INDEPENDENT, Geometry
 from bayescal.calibration.model.lens_model import LensModel
 
@@ -104,9 +103,8 @@ def first_set(models: Sequence[LensModel], whole: Setting, points: Marks) -> Mar
         ahead = _ahead(AHEAD, whole)  # what hid is found
         if (points == before).all():
             break
-    node = whole.grid.starts
     for _ in range(TURNS):
-        found = _weighed(model, fit, whole, points, node, np.random.default_rng(0), DRAWS)
+        found = _weighed(model, fit, whole, points, None, np.random.default_rng(0), DRAWS)
         problem = LensEvidence.of(found, model, whole).problem
         before, points = points, search(problem, points, ahead)
         if (points == before).all():
@@ -144,8 +142,7 @@ def mixed(
         points = search(problem, tried[-1], ahead)
         if not ((points ^ tried[-1]) & ~sets.doubtful).any():
             break  # summed over already
-        start = UNRELATED, errors.nodes[0]
-        found = _weighed(model, fit, whole, points, start, rng, draws)
+        found = _weighed(model, fit, whole, points, errors, rng, draws)
         problem, errors = LensEvidence.of(found, model, whole).problem, found.errors
         sets = about(problem, points)
         own = Mixed(sets, False, found.log_evidence, found.estimate.error, found.estimate.warnings)
@@ -165,11 +162,11 @@ def _weighed(
     fit: Fit,
     whole: Setting,
     points: Marks,
-    start: tuple[Node, ...],
+    like: Averaged | None,
     rng: np.random.Generator,
     draws: int,
 ) -> Weighed:
     """Weigh a lens without some points."""
     setting = without(whole, points)
     fit = least_squares(model, setting.data, fit.x, fit.poses)
-    return lens_evidence(model, (fit,), setting, start, rng, draws)
+    return lens_evidence(model, [(fit.x, fit.poses)], setting, like, rng, draws)
