@@ -5,21 +5,22 @@ from __future__ import annotations
 import shlex
 from collections import Counter
 
-from bayescal.calibration.judging.bad_points import FEWEST, fewest_good
+from bayescal.calibration.judging.bad_points import FEWEST
 from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.lenses.gross_errors import MOST
 from bayescal.comparison.lenses.results import Evidenced
 from bayescal.rounding import percent, significant
 
 TOLD = 3  # points, or views, that are named
+SURELY_BAD = 1e-12  # p: the mixture leaves no such point in that it can leave out
 MANY = 0.05  # of all points: more that are bad say that something else is wrong
 
 
 def points_off(basis: Evidenced) -> Finding | None:
     """Name points that the error model can't explain, or views most of whose points are so.
 
-    Where points may be bad these are not probably so, and what they do to the lens is small,
-    unless no more points of their view may be left out.
+    Where points may be bad these are not probably so, and what they do to the lens is small, but
+    for those that could not be left out.
     """
     off, bad = basis.gross, basis.bad
     if not off:
@@ -49,9 +50,7 @@ def points_off(basis: Evidenced) -> Finding | None:
     )
     if bad is None and not set(named.values()) & set(counts):
         text += "; or weigh that points may be bad: --noise mixture"
-    elif bad is not None and all(
-        gone[p.view] < counts[p.view] - fewest_good(counts[p.view]) for p in off
-    ):
+    elif bad is not None and min(point.p_value for point in off) > SURELY_BAD:
         return limits("gross-errors", text)
     return overturns(
         "gross-errors",
