@@ -52,8 +52,8 @@ def calibrate(
         has its own, how they compare settled from residuals, their common factor inferred. With
         the views' own deviations it is a factor on them.
     noise : str, optional
-        ``"gaussian"``; ``"mixture"``: each point may also be bad, with a probability that is
-        inferred, and then anywhere in the image.
+        ``"gaussian"``; ``"outlier-mixture"``: each point may also be bad, with a probability that
+        is inferred, and then anywhere in the image.
     independent : bool, optional
         Take noise as independent and the target as exact, which no real target is: the error
         models (correlated noise, points of the target that are off, a target that bows) are

@@ -39,8 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     option(
         model,
         "--noise",
-        "gaussian; or mixture: each point may also be bad, and anywhere in the image, for corners "
-        "taken for others (gaussian)",
+        "gaussian; or outlier-mixture: each point may also be bad, and anywhere in the image, for "
+        "corners taken for others (gaussian)",
         _noise,
         choices=NOISES,
         default=NOISES[0],

@@ -13,6 +13,7 @@ from bayescal.commands.shared import view_options
 from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import DONE, NOT_SOUND, add_progress
 from bayescal.commands.shared.streams import say
+from bayescal.comparison.lenses.request import checked_noise
 from bayescal.errors import InputError
 from bayescal.rounding import counted
 
@@ -30,7 +31,7 @@ DESCRIPTION = (
 # What is of points and what is of views; the rest is of both.
 OF_POINTS = (
     *("orders", "axis", "no_families", "view", "camera_position", "c_from_bottom"),
-    *("prior", "tau", "tolerance", "noise", "nu", "bad_offset"),
+    *("prior", "tau", "tolerance", "nu", "bad_offset"),
 )
 OF_VIEWS = ("lens", "independent", "square_pixels", "centred", "board", "square", "only")
 
@@ -119,6 +120,8 @@ def _check(options: argparse.Namespace) -> None:
         if getattr(options, name) not in (None, False):
             hint = "drop it, or --calibrate" if options.calibrate else "add --calibrate"
             raise InputError(f"fleet: --{name.replace('_', '-')} is of {of}; {hint}")
+    if options.calibrate and options.noise is not None:
+        checked_noise(options.noise)
     if options.calibrate and options.sigma in ("replicates", "scale"):
         raise InputError(f"fleet: sigma {options.sigma} is of points; give px or inferred")
 
@@ -134,6 +137,7 @@ def _lens_settings(options: argparse.Namespace) -> dict[str, Any]:
     given = {
         "lenses": options.lens,
         "sigma": None if options.sigma == "inferred" else options.sigma,
+        "noise": options.noise,
         "independent": options.independent,
         "square": options.square_pixels,
         "centred": options.centred,

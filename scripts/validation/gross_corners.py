@@ -118,7 +118,7 @@ def compared(seed: int, number: int, gross: int) -> Mixed:
         for v, noise in (
             (views.without(*names), "gaussian"),
             (spoilt, "gaussian"),
-            (spoilt, "mixture"),
+            (spoilt, "outlier-mixture"),
         )
     )
     assert mixture.bad is not None
@@ -150,8 +150,8 @@ def mixture_report(found: Sequence[Mixed]) -> Iterator[str]:
         f"{len(LENSES)} lenses. Right: how often",
         "the true lens is the most probable, of the same views without the gross errors, with them "
         "by Gaussian noise,",
-        "and by `--noise mixture`; corners taken for bad by the mixture; how far its differences "
-        "of ln Z are from those",
+        "and by `--noise outlier-mixture`; corners taken for bad by the mixture; how far its "
+        "differences of ln Z are from those",
         f"without the gross errors (lenses within {RIVALS:g} nat of the best, nat): median over "
         "the sets and largest.",
         "",

@@ -127,6 +127,7 @@ def test_the_command_over_views(cluster, monkeypatch, tmp_path):
     bc.save_views(bc.chessboard(), "bundled.csv")
     Path("bad.csv").write_text("view,x,y,z,r,c\n1,0,0,0,x,1\n")
     options = ("--calibrate", "--lens", "radial 1", "--independent", "--ess", "100")
+    options = (*options, "--noise", "outlier-mixture")
     command = ["fleet", "*.csv", *options, "--out", "out", "--scheduler", cluster.address]
 
     def pressed(_, name):
@@ -146,7 +147,8 @@ def test_the_command_over_views(cluster, monkeypatch, tmp_path):
     kept = json.loads(Path("out/fleet.json").read_text())
     (camera,) = (c for c in kept["cameras"] if c["camera"] == "bundled")
     seed = camera["seed"]
-    alone = bc.calibrate("bundled.csv", lenses=["radial 1"], independent=True, seed=seed, ess=100)
+    asked = {"independent": True, "seed": seed, "ess": 100, "noise": "outlier-mixture"}
+    alone = bc.calibrate("bundled.csv", lenses=["radial 1"], **asked)
     (choice,) = Record.of_lenses(alone).choices
     assert camera["lens_k1"] == choice.parameters["radial 1"]["k1"].value
 
@@ -156,6 +158,7 @@ def test_the_command_over_views(cluster, monkeypatch, tmp_path):
     [
         (["--lens", "eucm"], "fleet: --lens is of views; add --calibrate"),
         (["--calibrate", "--orders", "1"], "fleet: --orders is of points; drop it, or"),
+        (["--calibrate", "--noise", "student-t"], "student-t noise is not offered for views"),
         (["--workers", "0"], "workers must be 1 or more, not 0"),
         (["--workers", "1", "--scheduler", "tcp://a:1"], "workers belong to a scheduler"),
         (["--seed", "-1"], "seed must not be negative"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from bayescal.errors import InputError
 
-GAUSSIAN, MIXTURE = NOISES = ("gaussian", "mixture")
+GAUSSIAN, MIXTURE = NOISES = ("gaussian", "outlier-mixture")
 
 
 def checked_noise(name: str) -> str:
@@ -19,7 +19,7 @@ def checked_noise(name: str) -> str:
     if name == "student-t":
         raise InputError(
             "student-t noise is not offered for views, whose neighbouring points share errors; "
-            "for gross errors take --noise mixture"
+            "for gross errors take --noise outlier-mixture"
         )
     if name not in NOISES:
         raise InputError(f"noise must be {' or '.join(NOISES)}, not {name!r}")
@@ -43,7 +43,8 @@ class LensRequest:
     per_view : bool
         Whether each view has a noise level of its own, settled before a lens is judged.
     noise : str
-        ``"gaussian"``, or ``"mixture"``: each point may also be bad, and anywhere in the image.
+        ``"gaussian"``, or ``"outlier-mixture"``: each point may also be bad, and anywhere in the
+        image.
     """
 
     lenses: tuple[str, ...] | None = None

@@ -54,7 +54,13 @@ def moved(views: bc.Views, shifts: dict[tuple[int, int], tuple[float, float]]) -
 
 
 def judged(views: bc.Views, **options: object) -> LensComparison:
-    known = {"lenses": LENSES, "independent": True, "ess": 100, "noise": "mixture", **options}
+    known = {
+        "lenses": LENSES,
+        "independent": True,
+        "ess": 100,
+        "noise": "outlier-mixture",
+        **options,
+    }
     return bc.calibrate(views, **known)  # type: ignore[arg-type]
 
 
@@ -137,7 +143,7 @@ def test_a_point_in_doubt_is_summed_over_from_either_set(independent: bool, with
     """
     place = 3 * 54 + 20
     views = moved(seen(), {(3, 20): (0.87, 0.0)})  # as likely bad as good, about
-    request = LensRequest(lenses=("radial 2",), independent=independent, noise="mixture")
+    request = LensRequest(lenses=("radial 2",), independent=independent, noise="outlier-mixture")
     without, among = (
         next(iter(Sweep(views, request, Level(None), bad=bad))).judge(Store(), Settings())
         for bad in ((place,), ())
@@ -170,7 +176,7 @@ def test_every_outlet_names_the_points(mixed: LensComparison, tmp_path: Path) ->
     assert [j.log_evidence for j in again.lenses] == [j.log_evidence for j in mixed.lenses]
     told = json.loads((run / "result.json").read_text(encoding="utf-8"))
     jsonschema.validate(told, schema("lenses"))
-    assert told["settings"]["noise"] == told["noise"]["kind"] == "mixture"
+    assert told["settings"]["noise"] == told["noise"]["kind"] == "outlier-mixture"
     assert 0 < told["noise"]["bad_fraction"] < 0.05
     assert {f"{p['view']}:{p['point']}" for p in told["bad_points"] if p["left_out"]} == set(NAMES)
     assert all(p["probability"] > 0.99 for p in told["bad_points"])
@@ -240,7 +246,7 @@ def test_many_bad_points_are_a_caveat() -> None:
 
 
 def test_other_noise_is_refused_with_what_to_take() -> None:
-    for given in ("student-t", "outlier-mixture"):
+    for given in ("student-t", "mixture"):
         with pytest.raises(bc.InputError, match="mixture"):
             bc.calibrate(seen(), noise=given)
         refused = here("calibrate", "--noise", given)

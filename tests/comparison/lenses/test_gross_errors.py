@@ -66,7 +66,9 @@ def test_every_outlet_says_so(wrong: LensComparison, tmp_path: Path) -> None:
     again = bc.open_run(run)
     assert (again.verdict, again.gross) == (wrong.verdict, wrong.gross)
     (finding,) = [f for f in wrong.verdict.findings if f.kind == "gross-errors"]
-    assert finding.text.endswith("--without 4:21; or weigh that points may be bad: --noise mixture")
+    assert finding.text.endswith(
+        "--without 4:21; or weigh that points may be bad: --noise outlier-mixture"
+    )
     told = json.loads((run / "result.json").read_text(encoding="utf-8"))
     assert finding.text in [f["text"] for f in told["verdict"]["findings"]]
     (point,) = told["gross_errors"]

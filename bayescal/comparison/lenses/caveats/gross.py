@@ -49,7 +49,7 @@ def points_off(basis: Evidenced) -> Finding | None:
         f"{'it' if one else 'them'} out: --without {shlex.quote(next(iter(named.values())))}"
     )
     if bad is None and not set(named.values()) & set(counts):
-        text += "; or weigh that points may be bad: --noise mixture"
+        text += "; or weigh that points may be bad: --noise outlier-mixture"
     elif bad is not None and min(point.p_value for point in off) > SURELY_BAD:
         return limits("gross-errors", text)
     return overturns(
