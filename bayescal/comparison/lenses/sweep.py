@@ -19,7 +19,7 @@ from bayescal.calibration.judging.judge import Setting
 from bayescal.calibration.judging.laplace import Level
 from bayescal.calibration.model.error_grid import Averaged
 from bayescal.calibration.model.error_model import Geometry
-from bayescal.calibration.model.lens_model import LensModel
+from bayescal.calibration.model.lens_model import SHAPE, LensModel
 from bayescal.calibration.model.observations import Observations
 from bayescal.comparison.lenses.bad.mixture import Marks, Mixing, first_set
 from bayescal.comparison.lenses.candidates import (
@@ -231,7 +231,8 @@ class Sweep:
         tried = [least_squares(model, self.data, *each) for each in begin]
         found = min((f.sum_of_squares for f in tried), default=math.inf)
         # A lens without coefficients, placed by one that has them, has nowhere else to go.
-        local = bool(model.lens.names) and self._far(found)
+        # One with a shape has a curved valley: its own start may lead to a lower place.
+        local = SHAPE in model.lens.groups or (bool(model.lens.names) and self._far(found))
         if not math.isfinite(found) or found > lowest or local:
             tried.extend(self._anew(model))
         return min(tried, key=lambda f: f.sum_of_squares)
