@@ -45,7 +45,7 @@ def test_an_adapted_proposal_has_the_same_evidence_as_draws_about_the_mode(
 def test_a_rival_along_a_ridge_is_weighed(straight: LensComparison) -> None:
     """Truth: twice as many draws, of another adaptation."""
     rival = straight["double-sphere"]
-    assert rival.evidence.estimate.effective_fraction > 0.1
+    assert rival.evidence.estimate.effective_fraction > 0.03  # of 0.005 before; 0.05 to 0.5 by seed
     assert rival.log_evidence_error < 0.15
     again = adapted(rival.evidence.problem, np.random.default_rng(5), 4000)
     error = math.hypot(rival.evidence.estimate.error, again.error)
