@@ -19,6 +19,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from importlib.metadata import version
 from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
@@ -114,20 +115,18 @@ def truth(order: int) -> float:
 
 def section(peers: list[str], orders: Sequence[int], runs: int) -> Iterator[str]:
     """Yield the tables, and what was missed."""
-    yield from (
+    told = (
         f"`scripts/benchmark peers --runs {runs}`: the same posterior, r of the thesis's 57 points "
-        "under the default prior (Legendre",
-        "amplitudes, ln sigma and, from order 2 on, ln tau), on one thread; seconds of processor "
-        "time, medians. ESS: the worst parameter's,",
-        f"bulk or tail. Time to ESS {ESS} with R-hat < {RHAT}: cold, from the start of Python, "
-        "imports and compilation included; warm, a second",
-        "run in the same process; with `~` of a run whose length is its own, scaled if short. "
-        "Evidence: its error against brute force, and the",
+        "under the default prior (Legendre amplitudes, ln sigma and, from order 2 on, ln tau), on "
+        "one thread; seconds of processor time, medians. ESS: the worst parameter's, bulk or tail. "
+        f"Time to ESS {ESS} with R-hat < {RHAT}: cold, from the start of Python, imports and "
+        "compilation included; warm, a second run in the same process; with `~` of a run whose "
+        "length is its own, scaled if short. Evidence: its error against brute force, and the "
         "error that was stated.",
-        "",
         f"{machine()}; {', '.join(versions(peers))}.",
-        "",
     )
+    for paragraph in told:
+        yield from (*wrap(paragraph, 104, break_on_hyphens=False), "")
     missed = []
     for order in orders:
         exact = truth(order)

@@ -60,14 +60,19 @@ def test_pixels_are_opencvs():
     np.testing.assert_allclose(found.by_coefficients, slopes[..., 10:], rtol=1e-9, atol=1e-9)
 
 
+def turned(step):
+    """Rotation vector of a small turn after the first rotation."""
+    matrix = pose.rotations(step) @ pose.rotations(ROTATION)
+    return pose.rotation_vectors(matrix)
+
+
 def test_derivatives_by_pose_are_those_of_a_left_perturbation():
     camera = Camera(lens_named("opencv5"))
     found = camera.project_with_jacobian(INTRINSICS, K, ROTATION, TRANSLATION, WORLD)
     for j in range(3):
         h = 1e-6 * np.eye(3)[j]
         ends = [
-            camera.project(INTRINSICS, K, pose.turned(s * h, ROTATION), TRANSLATION, WORLD)[0]
-            for s in (1, -1)
+            camera.project(INTRINSICS, K, turned(s * h), TRANSLATION, WORLD)[0] for s in (1, -1)
         ]
         # Rounding of pixels of 1e3 over the step.
         np.testing.assert_allclose(found.by_pose[..., j], (ends[0] - ends[1]) / 2e-6, atol=1e-5)
