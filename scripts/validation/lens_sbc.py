@@ -16,6 +16,7 @@ from bayescal.calibration.judging.evidence import DRAWS as IMPORTANCE
 from bayescal.calibration.judging.laplace import INFERRED
 from bayescal.calibration.judging.sampled import SampledLens
 from bayescal.comparison.judging import judge_all
+from bayescal.comparison.lenses.analysis import weighed_lenses
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.comparison.lenses.sweep import Sweep
@@ -147,9 +148,10 @@ def probabilities(seed: int, number: int) -> list[list[float]]:
     """Probabilities of the lenses, and which is the true one."""
     rng = np.random.default_rng([seed, 1, number])
     case = next(c for c in drawn_cases(KEYS, rng, exact=True) if fits(c, KEYS[-1]))
-    sweep = Sweep(case.views, LensRequest(KEYS, independent=True, draws=IMPORTANCE), INFERRED)
+    request = LensRequest(KEYS, independent=True, draws=IMPORTANCE)
+    sweep, lenses, _ = weighed_lenses(case.views, request, Settings())
     logs = dict.fromkeys(KEYS, -np.inf)
-    for judged in judge_all(sweep, Store(), Settings()):
+    for judged in lenses:
         _, log_weights = told(judged, sweep, rng)
         mean = logsumexp(log_weights) - np.log(len(log_weights))
         logs[judged.name] = judged.log_evidence + mean

@@ -12,13 +12,10 @@ from scipy.special import softmax
 from bayescal.arrays import Array
 from bayescal.calibration.judging.averaging import ErrorAverage
 from bayescal.calibration.judging.judge import Setting
-from bayescal.calibration.judging.laplace import INFERRED
-from bayescal.comparison.judging import judge_all
+from bayescal.comparison.lenses.analysis import weighed_lenses
 from bayescal.comparison.lenses.request import LensRequest
 from bayescal.comparison.lenses.results import JudgedLens
-from bayescal.comparison.lenses.sweep import Sweep
 from bayescal.comparison.settings import Settings
-from bayescal.comparison.store import Store
 from bayescal.points.views.views import Views
 from scripts.validation.sections import of_each, options_of, publish
 from scripts.validation.simulated_boards import HEIGHT, WIDTH, Errors, Truth, some_lens, views_of
@@ -148,8 +145,8 @@ def both(views: Views) -> tuple[Weighed, Weighed]:
 
 def judged(views: Views, *, independent: bool) -> Weighed:
     """Judge the seven lenses."""
-    sweep = Sweep(views, LensRequest(KEYS, independent=independent, draws=1000), INFERRED)
-    found = judge_all(sweep, Store(), Settings())
+    request = LensRequest(KEYS, independent=independent, draws=1000)
+    sweep, found, _ = weighed_lenses(views, request, Settings())
     return Weighed({j.name: j for j in found}, sweep.setting)
 
 

@@ -90,9 +90,8 @@ def compare_lenses(
 def _compared(
     views: Views, request: LensRequest, settings: Settings, progress: Progress, store: Store
 ) -> LensComparison:
-    sweep, judged = _swept(views, request, settings, progress, store)
+    sweep, lenses, unmet = weighed_lenses(views, request, settings, progress, store)
     setting = sweep.setting
-    lenses, unmet = _parted(_sought(judged, setting, request, settings, store, progress))
     if not lenses:
         raise InputError(
             f"{views.source}: these views hardly say what the lens is (are they all alike?); add "
@@ -121,6 +120,20 @@ def _compared(
         settings=settings,
         derived=store.derived,
     )
+
+
+def weighed_lenses(
+    views: Views,
+    request: LensRequest,
+    settings: Settings,
+    progress: Progress = lambda _: None,
+    store: Store | None = None,
+) -> tuple[Sweep, tuple[JudgedLens, ...], list[str]]:
+    """Sweep through lenses; rank them, and name those that might win had they been found."""
+    kept = Store() if store is None else store
+    sweep, judged = _swept(views, request, settings, progress, kept)
+    lenses, unmet = _parted(_sought(judged, sweep.setting, request, settings, kept, progress))
+    return sweep, lenses, unmet
 
 
 def _swept(
