@@ -73,7 +73,9 @@ def of_each(
         In the order of the cases.
     """
     if options.keep:
-        function = partial(_kept, function, Path(options.keep))
+        # Named here: to other processes a script's function comes without its file.
+        name = f"{Path(function.__code__.co_filename).stem}.{function.__name__}"
+        function = partial(_kept, function, Path(options.keep) / name)
     if options.workers == 1:
         with threadpool_limits(1):
             return [function(*case) for case in cases]
@@ -86,13 +88,12 @@ def of_each(
     return [found[task.key] for task in tasks]
 
 
-def _kept(function: Callable[..., Any], folder: Path, *case: Any) -> Any:
-    name = f"{Path(function.__code__.co_filename).stem}.{function.__name__}"
-    place = folder / f"{name}.{hashlib.sha256(repr(case).encode()).hexdigest()[:16]}"
+def _kept(function: Callable[..., Any], name: Path, *case: Any) -> Any:
+    place = Path(f"{name}.{hashlib.sha256(repr(case).encode()).hexdigest()[:16]}")
     if place.exists():
         return pickle.loads(place.read_bytes())
     found = function(*case)
-    folder.mkdir(parents=True, exist_ok=True)
+    place.parent.mkdir(parents=True, exist_ok=True)
     write_whole(place, pickle.dumps(found))
     return found
 
