@@ -23,10 +23,10 @@ from bayescal.comparison.judging import judge_all
 from bayescal.comparison.lenses.bad.points import Bad, bad_points
 from bayescal.comparison.lenses.caveats.listed import lens_findings
 from bayescal.comparison.lenses.fitted import judged_lens, with_bad
-from bayescal.comparison.lenses.gross_error import GrossError
 from bayescal.comparison.lenses.gross_errors import gross_errors
 from bayescal.comparison.lenses.judging import judge_lenses, plausible_others
 from bayescal.comparison.lenses.left_out import halves, leave_views_out
+from bayescal.comparison.lenses.off_point import GrossError
 from bayescal.comparison.lenses.places import places
 from bayescal.comparison.lenses.prediction import (
     at_most,

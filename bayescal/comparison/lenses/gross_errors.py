@@ -18,7 +18,7 @@ from bayescal.calibration.judging.density import Problem
 from bayescal.calibration.judging.free_points import FreePoint, FreePoints
 from bayescal.calibration.judging.judge import LensEvidence, Setting, lens_evidence
 from bayescal.calibration.model.error_model import Geometry
-from bayescal.comparison.lenses.gross_error import GrossError
+from bayescal.comparison.lenses.off_point import GrossError
 from bayescal.comparison.lenses.results import JudgedLens
 from bayescal.points.views.views import Views
 

@@ -23,7 +23,7 @@ from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.bad.mixture import Mixed
 from bayescal.comparison.lenses.bad.points import Bad
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
-from bayescal.comparison.lenses.gross_error import GrossError
+from bayescal.comparison.lenses.off_point import GrossError
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import View
 from bayescal.comparison.lenses.request import LensRequest

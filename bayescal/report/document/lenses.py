@@ -6,8 +6,8 @@ from dataclasses import asdict
 from typing import Any
 
 from bayescal.arrays import finite
-from bayescal.comparison.lenses.bad.points import BadPoint
 from bayescal.comparison.lenses.judging import plausible_others, widest
+from bayescal.comparison.lenses.off_point import BadPoint
 from bayescal.comparison.lenses.prediction import PROBABILITY
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.lenses.verdict import TOLERANCE

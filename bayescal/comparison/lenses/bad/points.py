@@ -9,61 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bayescal.calibration.judging.bad_points import BadPoints
+from bayescal.comparison.lenses.off_point import BadPoint
 from bayescal.points.views.views import Views
-from bayescal.rounding import percent, significant
 
 TOLD = 0.05  # probability: points less likely bad are not listed
-
-
-@dataclass(frozen=True)
-class BadPoint:
-    """A point that is bad, or may be.
-
-    Attributes
-    ----------
-    point : int
-        Row of the views, from 0.
-    view, label : str
-        As `Views.without` takes them.
-    place : str
-        File and line, or view and point.
-    shift : tuple of float
-        Observed less where the good points put it, r and c, px; NaN where the best lens can't see
-        it.
-    probability : float
-        Of being bad, the lenses averaged.
-    left_out : bool
-        Whether lenses are drawn, and residuals taken, without it.
-    """
-
-    point: int
-    view: str
-    label: str
-    place: str
-    shift: tuple[float, float]
-    probability: float
-    left_out: bool
-
-    @property
-    def size(self) -> float:
-        """How far it is off, px."""
-        return math.hypot(*self.shift)
-
-    @property
-    def name(self) -> str:
-        """As `--without` takes it."""
-        return f"{self.view}:{self.label}"
-
-    @property
-    def words(self) -> str:
-        """Which it is, how far it is off and how probably bad."""
-        return f"{self.far}: {percent(self.probability)}"
-
-    @property
-    def far(self) -> str:
-        """Which it is, and how far off where the best lens can say so."""
-        far = f", off by {significant(self.size)} px" if math.isfinite(self.size) else ""
-        return f"{self.name}{far}"
 
 
 @dataclass(frozen=True)
