@@ -10,7 +10,7 @@ import numpy as np
 import bayescal as bc
 from bayescal.arrays import Array
 from scripts.validation.predictions import KINDS, as_it_was
-from scripts.validation.sections import of_each, options_of, publish
+from scripts.validation.sections import of_each, options_of, publish_as_made
 
 HEADING = "## Changes of a camera that are seen"
 # What happened to it: px aside in r, and by which factor its focal lengths grew.
@@ -63,12 +63,7 @@ def report(options: argparse.Namespace) -> Iterator[str]:
 def main() -> None:
     """Measure, and print or write."""
     options = options_of("scripts/validate changes", __doc__, HEADING, 100, 2)
-    lines = []
-    for line in report(options):
-        print(line, flush=True)
-        lines.append(line)
-    if options.out is not None:
-        publish("\n".join(lines) + "\n", HEADING, options.out)
+    publish_as_made(report(options), HEADING, options.out)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from bayescal.cameras.lenses import lens_named
 from bayescal.cameras.pose import rotation_vectors, rotations
 from bayescal.prediction.calibrated.alignment import absorbed_turns
 from bayescal.prediction.sights import image_grid, sights
-from scripts.validation.sections import of_each, options_of, publish
+from scripts.validation.sections import of_each, options_of, publish_as_made
 from scripts.validation.simulated_boards import Errors, Truth, some_intrinsics, views_of
 from scripts.validation.turned_camera import TURNED, projected, turned_points
 
@@ -242,12 +242,7 @@ def _percent(values: Array) -> str:
 def main() -> None:
     """Measure, and print or write."""
     options = options_of("scripts/validate predictions", __doc__, HEADING, 1000, 4)
-    lines = []
-    for line in report(options):
-        print(line, flush=True)
-        lines.append(line)
-    if options.out is not None:
-        publish("\n".join(lines) + "\n", HEADING, options.out)
+    publish_as_made(report(options), HEADING, options.out)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import hashlib
 import pickle
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -106,6 +106,16 @@ def publish(section: str, heading: str, out: str | None) -> None:
     place = Path(out)
     text = place.read_text(encoding="utf-8") if place.exists() else ""
     write_whole(place, with_section(text, section, heading).encode(), force=True)
+
+
+def publish_as_made(lines: Iterable[str], heading: str, out: str | None) -> None:
+    """Print the lines of a section while they are measured; then put it into a file, if any."""
+    made = []
+    for line in lines:
+        print(line, flush=True)
+        made.append(line)
+    if out is not None:
+        publish("\n".join(made) + "\n", heading, out)
 
 
 def with_section(text: str, section: str, heading: str) -> str:
