@@ -6,7 +6,7 @@ import argparse
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.option import option
@@ -23,7 +23,7 @@ DESCRIPTION = (
     "from; this needs OpenCV: pip install 'bayescal[images]'. --pixels takes measured pixels "
     "instead."
 )
-FIELDS = ("same", "inside", "full")
+FIELDS: tuple[Literal["same", "inside", "full"], ...] = ("same", "inside", "full")
 CAMERA = "camera.yml"
 
 
@@ -128,8 +128,9 @@ def _pixels(options: argparse.Namespace, real: Seeing, field: Field) -> int:
 
 def _field(text: str) -> Field:
     """Read the field of view: a word, or degrees."""
-    if text in FIELDS:
-        return text  # type: ignore[return-value]
+    for field in FIELDS:
+        if text == field:
+            return field
     try:
         return float(text)
     except ValueError:

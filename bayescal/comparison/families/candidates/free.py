@@ -99,6 +99,7 @@ class GaussianFreePair(_FreePair):
 
     model: FreePositionModel
 
+    # Settings are of robust pairs: both kinds are made alike.
     @classmethod
     def of(cls, pair: LinearPair, settings: Settings, once: Once) -> GaussianFreePair:  # noqa: ARG003
         """Find the position of highest likelihood, and Laplace's approximation about it."""
