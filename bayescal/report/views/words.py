@@ -71,13 +71,13 @@ def prior_words(rule: PriorRule) -> str:
 
 
 def doubts(verdict: Verdict) -> tuple[str, ...]:
-    """Say, beside an answer in large type, what could be wrong with it."""
+    """Say, beside an answer in large type, what could be wrong with it, the gravest first."""
     rest = sum(not finding.withholds for finding in verdict.findings)
     more = "more " if verdict.withheld else ""
     caveats = f"{counted(rest, f'{more}caveat')} below" if rest else ""
     # Where nothing is withheld, the answer itself says what else is plausible.
     open_ = verdict.not_excluded if verdict.withheld else ""
-    return tuple(filter(None, (open_, *verdict.withheld, caveats)))
+    return tuple(filter(None, (*verdict.withheld, open_, caveats)))
 
 
 def p_words(value: float) -> str:
