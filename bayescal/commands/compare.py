@@ -7,7 +7,7 @@ from typing import Any
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families, families_of
-from bayescal.commands.shared.many import compared, say_many
+from bayescal.commands.shared.many import POSE, compared, say_many
 from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_output, deliver
 from bayescal.commands.shared.resume import resumable
@@ -56,12 +56,13 @@ def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
         raise InputError(f"compare: families are joint models of r and c; {drop}")
     check_output(options)
     points = shared.points(options)
-    say_many(options, len(points))
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     how = {"defend": options.defend, **asked, **given}
     from bayescal.api.families import compare_families, family_request
 
-    steps = family_request(orders=shared.orders_of(options), **asked).n_models + 1
+    request = family_request(orders=shared.orders_of(options), **asked)
+    say_many(options, len(points), request.n_models, POSE)
+    steps = request.n_models + 1
     with resumable(options) as resume:
         with shared.Progress(options, 0, heavy=steps) as progress:
             result = compare_families(points, progress=progress, resume=resume, **how)

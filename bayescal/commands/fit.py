@@ -40,7 +40,8 @@ def run(options: argparse.Namespace) -> int:
     from bayescal.api.axes import fit
 
     check_output(options)
-    with many_or_few(options) as points, shared.Progress(options, 2) as progress:
+    models = (options.order_r is not None) + (options.order_c is not None)
+    with many_or_few(options, models) as points, shared.Progress(options, models) as progress:
         result = fit(
             points,
             options.order_r,

@@ -122,7 +122,7 @@ def _compared(kind: FigureKind, options: argparse.Namespace) -> Comparison:
     _check(kind, options)
     axes = shared.axes_of(options)
     models = len(shared.orders_of(options)) * axes
-    with many_or_few(options) as points, shared.Progress(options, models) as progress:
+    with many_or_few(options, models) as points, shared.Progress(options, models) as progress:
         from bayescal.api.axes import compare
         from bayescal.points.correspondences import Correspondences
 

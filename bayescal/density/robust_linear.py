@@ -3,33 +3,34 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from bayescal.arrays import LOG_2PI, Array, in_parts
+from bayescal.arrays import LOG_2PI, Array, IntArray, in_parts
 from bayescal.density.drawn import DrawnAxis
+from bayescal.density.many_points import MANY, parabola, starts_of_sample
+from bayescal.density.plain_fits import plain_fits
 from bayescal.density.trimmed import trimmed_fits
 from bayescal.errors import InputError
 from bayescal.inference.optimum import Mode, climb
+from bayescal.inference.sampled_posterior import EVIDENCE_DRAWS
 from bayescal.noise.level import NoiseLevel
 from bayescal.noise.model import NoiseModel
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.rows import ALL, BLOCK, Rows, blocks, rows_of
 from bayescal.prior.amplitudes import CoefficientPrior
 from bayescal.prior.strength import Strength
 
-# Steps of the robust fit that starts are taken from, and the Cauchy weight's tuning
-# constant (95 % efficient under Gaussian noise; Holland & Welsch 1977).
-STEPS, CAUCHY = 50, 2.385
 # Strengths tau at which a proposal is told how wide the density is.
 RUNGS = 12
+# Draws of the evidence of many points, whose posterior is nearly normal: 0.006 nat.
+FEWER_DRAWS = 5000
 # Densities held at once: in pieces that fit a cache the density takes half the time.
 CHUNK = 100_000
-# The median absolute deviation of a normal, in sigma.
-MAD = 0.6744897501960817
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +43,8 @@ class RobustLinearModel:
 
     Attributes
     ----------
-    design : Array
-        ``(n_points, n_coefficients)``.
+    design : Rows
+        ``(n_points, n_coefficients)``; of many points what makes parts of it.
     t : Array
         Measured pixels, ``(n_points,)``, px.
     sd : Array or None
@@ -56,7 +57,7 @@ class RobustLinearModel:
         Their names.
     """
 
-    design: Array
+    design: Rows
     t: Array
     sd: Array | None
     prior: CoefficientPrior
@@ -88,7 +89,7 @@ class RobustLinearModel:
         InputError
             Where sigma is inferred from no more points than there are coefficients.
         """
-        monomials, design = data.monomials(order), data.design(order)
+        monomials, design = data.monomials(order), rows_of(data, order)
         if level.value is None and len(data) <= design.shape[1]:
             raise InputError(
                 f"{data.source}: axis {data.axis}: {noise.name} noise with sigma inferred needs "
@@ -149,17 +150,36 @@ class RobustLinearModel:
 
     def residuals(self, theta: Array) -> Array:
         """Measured less predicted pixels, ``(n_draws, n_points)``, px."""
-        return np.asarray(self.t - theta[:, : self.size] @ self.design.T)
+        return np.asarray(self.t - theta[:, : self.size] @ self.design[ALL].T)
+
+    def taken(self, part: slice | IntArray) -> RobustLinearModel:
+        """Give the model of some of the points."""
+        sd = None if self.sd is None else self.sd[part]
+        noise = self.noise.taken(part)
+        return replace(self, design=self.design[part], t=self.t[part], sd=sd, noise=noise)
+
+    def blocks(self) -> Iterator[RobustLinearModel]:
+        """Give the same model of all points block by block: likelihoods multiply."""
+        if len(self.t) <= BLOCK:
+            return iter([self])
+        return (self.taken(part) for part in blocks(len(self.t)))
 
     def log_prob(self, theta: Array) -> Array:
         """Log of likelihood times prior per unit of theta, ``(n_draws,)``, nat."""
-        return np.concatenate(
-            [self._log_prob(part) for part in in_parts(theta, len(self.t), CHUNK)]
-        )
-
-    def _log_prob(self, theta: Array) -> Array:
-        density = self.log_likelihood(theta).sum(axis=1) + self.log_prior(theta)
+        density = self.fitted(theta) + self.log_prior(theta)
         return np.where(np.isnan(density), -np.inf, density)
+
+    def fitted(self, theta: Array) -> Array:
+        """Log likelihood, ``(n_draws,)``, nat: summed block by block, few draws at a time."""
+        total = np.zeros(len(theta))
+        for block in self.blocks():
+            parts = in_parts(theta, len(block.t), CHUNK)
+            total += np.concatenate([block._summed(part) for part in parts])
+        return total
+
+    def _summed(self, theta: Array) -> Array:
+        log_sigma, eta = self.log_sigma(theta), self.eta(theta)
+        return self.noise.total(self.residuals(theta), log_sigma, eta, self.sd)
 
     def log_prior(self, theta: Array) -> Array:
         """Log prior per unit of theta, normalised, ``(n_draws,)``."""
@@ -187,10 +207,12 @@ class RobustLinearModel:
         The trimmed ones start from the noise model's heaviest tails: half of the points may
         agree on another curve than all do.
         """
+        if len(self.t) > MANY:
+            return starts_of_sample(self)
         own = np.ones(len(self.t)) if self.sd is None else self.sd
-        x, y = self.design / own[:, None], self.t / own
+        x, y = self.design[ALL] / own[:, None], self.t / own
         noise = self.noise.starts()
-        rows = [self.start(*fit, eta) for fit in _fits(x, y) for eta in noise]
+        rows = [self.start(*fit, eta) for fit in plain_fits(x, y) for eta in noise]
         return np.array(rows + [self.start(*fit, noise[-1]) for fit in trimmed_fits(x, y)])
 
     def ladder(self, mode: Mode) -> tuple[Mode, ...]:
@@ -202,11 +224,22 @@ class RobustLinearModel:
         if not self.prior.infers_tau:
             return ()
         lowest, highest = self.prior.log_tau_bounds
-        rungs = [mode]
+        many, rungs = len(self.t) > MANY, [mode]
+        likelihood = parabola(self.fitted, mode) if many else self.fitted
         for log_tau in np.linspace(highest, lowest, RUNGS):
-            prior = replace(self.prior, tau=math.exp(log_tau))
-            rungs.append(climb(replace(self, prior=prior).log_prob, rungs[-1].theta))
+            fixed = replace(self, prior=replace(self.prior, tau=math.exp(log_tau)))
+
+            def density(theta: Array, fixed: RobustLinearModel = fixed) -> Array:
+                found = likelihood(theta) + fixed.log_prior(theta)
+                return np.where(np.isnan(found), -np.inf, found)
+
+            rungs.append(climb(density, rungs[-1].theta))
         return tuple(rungs[1:])
+
+    @property
+    def evidence_draws(self) -> int:
+        """Draws that the evidence is taken from; fewer where each looks at many points."""
+        return FEWER_DRAWS if len(self.t) > MANY else EVIDENCE_DRAWS
 
     def start(self, amplitudes: Array, scale: float, eta: Array) -> Array:
         """Give the coordinates of amplitudes and a sigma, px, with eta of the noise."""
@@ -248,32 +281,21 @@ class RobustLinearModel:
         """
         if not self.noise.tells_bad:
             return None
-        return self._averaged(self.noise.bad_probability, full)
+        return self._averaged(lambda block: block.noise.bad_probability, full)
 
     def weight(self, full: Array) -> Array:
         """Share of a good point's precision that each has, averaged likewise, ``(n_points,)``."""
-        return self._averaged(self.noise.weight, full)
+        return self._averaged(lambda block: block.noise.weight, full)
 
-    def _averaged(self, told: Callable[..., Any], full: Array) -> Array:
+    def _averaged(
+        self, told: Callable[[RobustLinearModel], Callable[..., Any]], full: Array
+    ) -> Array:
         """Average over draws what the noise tells of each point; few draws at a time."""
-        total = np.zeros(len(self.t))
-        for part in in_parts(full, len(self.t), CHUNK):
-            given = self.residuals(part), self.log_sigma(part), self.eta(part), self.sd
-            total += told(*given).sum(axis=0)
-        return total / len(full)
-
-
-def _fits(x: Array, y: Array) -> list[tuple[Array, float]]:
-    """Amplitudes and scale by least squares, and by Cauchy's M-estimator."""
-    fits: list[tuple[Array, float]] = []
-    root = np.ones(len(y))
-    for step in range(STEPS):
-        amplitudes = np.linalg.lstsq(x * root[:, None], y * root, rcond=None)[0]
-        residual = y - x @ amplitudes
-        if step == 0:
-            fits.append((amplitudes, float(np.sqrt(np.mean(residual**2)))))
-        scale = float(np.median(np.abs(residual))) / MAD
-        if scale == 0:
-            break
-        root = 1 / np.sqrt(1 + (residual / (CAUCHY * scale)) ** 2)
-    return [*fits, (amplitudes, scale)]
+        sums = []
+        for block in self.blocks():
+            total = np.zeros(len(block.t))
+            for part in in_parts(full, len(total), CHUNK):
+                given = block.residuals(part), block.log_sigma(part), block.eta(part), block.sd
+                total += told(block)(*given).sum(axis=0)
+            sums.append(total)
+        return np.concatenate(sums) / len(full)

@@ -17,9 +17,10 @@ import numpy as np
 from bayescal.arrays import Array, frozen, in_parts
 from bayescal.density.drawn import DrawnAxis, LinearFamily
 from bayescal.density.moving_axis import MovingAxis
+from bayescal.density.plain_fits import CAUCHY, MAD
 from bayescal.density.position_search import best_position, climb, linearised
 from bayescal.density.robust_fits import LinearPixels, RobustFit, robust_fits
-from bayescal.density.robust_linear import CAUCHY, MAD, RobustLinearModel
+from bayescal.density.robust_linear import RobustLinearModel
 from bayescal.density.robust_pair import RobustPair, completed, taken_apart
 from bayescal.prior.camera import PositionPrior
 

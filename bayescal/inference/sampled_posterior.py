@@ -161,6 +161,7 @@ def evidence_of(
     rng: np.random.Generator,
     ess: int,
     ladder: Callable[[Mode], tuple[Mode, ...]] | None = None,
+    evidence_draws: int = EVIDENCE_DRAWS,
 ) -> EvidenceEstimate:
     """Estimate the evidence alone: by weighted draws, or where these fit badly, as `sample_model`.
 
@@ -169,10 +170,10 @@ def evidence_of(
     for_proposal, for_draws, for_model = rng.spawn(3)
     modes, rungs = _found(model, ladder)
     adapted = adapt(model.log_prob, modes, for_proposal, rungs)
-    found = from_weights(drawn(model, adapted.proposal, for_draws, EVIDENCE_DRAWS)[1])
+    found = from_weights(drawn(model, adapted.proposal, for_draws, evidence_draws)[1])
     if found.certain and found.effective_fraction >= FITTED:
         return found
-    return sample_model(model, for_model, ess, ladder=ladder).estimate
+    return sample_model(model, for_model, ess, None, evidence_draws, ladder).estimate
 
 
 def _found(

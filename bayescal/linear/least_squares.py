@@ -17,6 +17,9 @@ from bayescal.polynomials.whole import Whole
 # Condition number of the columns, scaled to unit length, beyond which they are dependent.
 LARGEST_CONDITION = 1e15
 
+# Points factorised at once.
+PART = 65536
+
 
 @dataclass(frozen=True, eq=False)
 class Factorisation:
@@ -104,8 +107,7 @@ def factorise(data: AxisData, order: int) -> Factorisation:
     data.check(order)
     if data.whole is not None:
         return _leading(data, data.whole, order)
-    augmented = data.weighted(order)
-    triangle = np.linalg.qr(augmented, mode="r")
+    triangle, largest = _triangle(data, order)
     size = data.columns(order)
     _check_determined(data, triangle[:size, :size], order)
     tail = float(abs(triangle[size, size])) if len(data) > size else 0.0
@@ -114,10 +116,24 @@ def factorise(data: AxisData, order: int) -> Factorisation:
         frozen(triangle[:size, size]),
         tail,
         len(data),
-        float(np.abs(augmented[:, -1]).max()),
+        largest,
         float(np.log(data.deviations).sum()),
         data.monomials(order),
     )
+
+
+def _triangle(data: AxisData, order: int) -> tuple[Array, float]:
+    """R of the weighted [design | pixels], and its largest pixel; of many points part by part.
+
+    Each part is stacked below the triangle so far, which is factorised again
+    (`bayescal.linear.reduction`).
+    """
+    triangle, largest = np.empty((0, data.columns(order) + 1)), 0.0
+    for start in range(0, len(data), PART):
+        part = data.weighted(order, slice(start, start + PART))
+        largest = max(largest, float(np.abs(part[:, -1]).max()))
+        triangle = np.linalg.qr(np.concatenate([triangle, part]), mode="r")
+    return triangle, largest
 
 
 def _leading(data: AxisData, whole: Whole, order: int) -> Factorisation:

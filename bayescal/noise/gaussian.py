@@ -8,8 +8,8 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from bayescal.arrays import LOG_2PI, Array
-from bayescal.noise.model import scales
+from bayescal.arrays import LOG_2PI, Array, IntArray
+from bayescal.noise.model import NoiseModel, scales
 
 
 @dataclass(frozen=True)
@@ -45,11 +45,21 @@ class Gaussian:
         """There are none beside sigma's."""
         return {}
 
+    def taken(self, part: slice | IntArray) -> NoiseModel:
+        """Give itself: it knows no points."""
+        return self
+
     def log_density(
         self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
     ) -> Array:
         """Log density of residuals, ``(n_draws, n_points)``; see NoiseModel."""
         return log_normal(residual, scales(log_sigma, sd))
+
+    def total(
+        self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
+    ) -> Array:
+        """Sum of `log_density` over the points, ``(n_draws,)``."""
+        return np.asarray(self.log_density(residual, log_sigma, eta, sd).sum(axis=1))
 
     def log_prior(self, eta: Array) -> Array:
         """Give 0: there is nothing to have a prior, ``(n_draws,)``."""

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Protocol, Self
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, IntArray
 
 
 class NoiseModel(Protocol):
@@ -71,6 +71,10 @@ class NoiseModel(Protocol):
         """Number of coordinates eta."""
         ...
 
+    def taken(self, part: slice | IntArray) -> NoiseModel:
+        """Give the noise of some of the points."""
+        ...
+
     def log_density(
         self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
     ) -> Array:
@@ -92,6 +96,12 @@ class NoiseModel(Protocol):
         Array
             ``(n_draws, n_points)``, nat per px.
         """
+        ...
+
+    def total(
+        self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
+    ) -> Array:
+        """Sum of `log_density` over the points, ``(n_draws,)``, nat."""
         ...
 
     def log_prior(self, eta: Array) -> Array:
@@ -134,3 +144,27 @@ def scales(log_sigma: Array, sd: Array | None) -> Array:
     """Log scale of each point, ``(n_draws, n_points)``, or ``(n_draws, 1)`` without `sd`."""
     column = log_sigma[:, None]
     return column if sd is None else column + np.log(sd)
+
+
+# Numbers whose product is taken before its logarithm, and the fewest points that this is worth.
+FACTORS, WORTH = 8, 1000
+
+
+def sum_log1p(q: Array) -> Array:
+    """Sum of ln(1 + q) over the points, q not negative; ``(n_draws,)`` of ``(n_draws, n_points)``.
+
+    Of many points the logarithm of products is taken, a seventh of the time: each factor rounds
+    by as much as 1 + q does, and a product that overflows is not believed.
+    """
+    if q.shape[1] < WORTH:
+        return np.asarray(np.log1p(q).sum(axis=1))
+    size = q.shape[1] // FACTORS
+    parts = (q[:, : FACTORS * size] + 1).reshape(len(q), FACTORS, size)
+    with np.errstate(over="ignore", invalid="ignore"):
+        product = parts[:, 0] * parts[:, 1]
+        for i in range(2, FACTORS):
+            product *= parts[:, i]
+        found = np.log(product).sum(axis=1) + np.log1p(q[:, FACTORS * size :]).sum(axis=1)
+    if np.isfinite(found).all():
+        return np.asarray(found)
+    return np.asarray(np.log1p(q).sum(axis=1))

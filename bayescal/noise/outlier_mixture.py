@@ -20,9 +20,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from scipy.special import expit, log_ndtr, ndtr, ndtri
 
-from bayescal.arrays import LOG_2PI, Array
+from bayescal.arrays import LOG_2PI, Array, IntArray
 from bayescal.noise.gaussian import log_normal
-from bayescal.noise.model import scales
+from bayescal.noise.model import WORTH, NoiseModel, scales, sum_log1p
 from bayescal.prior.probit import log_value
 
 LARGEST_FRACTION = 0.5
@@ -121,11 +121,25 @@ class OutlierMixture:
         off = residual - eta[:, 2:3] * np.exp(log_width) if self.infers_offset else residual
         return good, log_bad + log_normal(off, log_spread)
 
+    def taken(self, part: slice | IntArray) -> NoiseModel:
+        """Give itself: it knows no points."""
+        return self
+
     def log_density(
         self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
     ) -> Array:
         """Log density of residuals, ``(n_draws, n_points)``; see NoiseModel."""
         return np.asarray(np.logaddexp(*self._log_densities(residual, log_sigma, eta, sd)))
+
+    def total(
+        self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
+    ) -> Array:
+        """Sum of `log_density` over the points, ``(n_draws,)``."""
+        good, bad = self._log_densities(residual, log_sigma, eta, sd)
+        if residual.shape[1] < WORTH:
+            return np.asarray(np.logaddexp(good, bad).sum(axis=1))
+        with np.errstate(over="ignore"):
+            return np.asarray(bad.sum(axis=1) + sum_log1p(np.exp(good - bad)))
 
     def log_prior(self, eta: Array) -> Array:
         """Log density, standard normal in every coordinate, ``(n_draws,)``."""

@@ -15,9 +15,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from scipy.special import betaln
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, IntArray
 from bayescal.errors import InputError
-from bayescal.noise.model import scales
+from bayescal.noise.model import WORTH, NoiseModel, scales, sum_log1p
 
 # Prior of an inferred nu: Gamma(shape, rate).
 SHAPE, RATE = 2.0, 0.1
@@ -92,15 +92,30 @@ class StudentT:
             return np.full((len(eta), 1), self.nu)
         return np.exp(np.clip(eta, -LARGEST_LOG, LARGEST_LOG))
 
+    def taken(self, part: slice | IntArray) -> NoiseModel:
+        """Give itself: it knows no points."""
+        return self
+
     def log_density(
         self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
     ) -> Array:
         """Log density of residuals, ``(n_draws, n_points)``; see NoiseModel."""
         nu, log_scale = self._nu(eta), scales(log_sigma, sd)
         z = residual * np.exp(-log_scale)
-        # The beta function keeps its digits where two gamma functions of a large nu don't.
-        constant = -betaln(0.5, nu / 2) - np.log(nu) / 2 - log_scale
-        return np.asarray(constant - (nu + 1) / 2 * np.log1p(z * z / nu))
+        return np.asarray(_constant(nu) - log_scale - (nu + 1) / 2 * np.log1p(z * z / nu))
+
+    def total(
+        self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None
+    ) -> Array:
+        """Sum of `log_density` over the points, ``(n_draws,)``."""
+        if residual.shape[1] < WORTH:
+            return np.asarray(self.log_density(residual, log_sigma, eta, sd).sum(axis=1))
+        nu, log_scale = self._nu(eta), scales(log_sigma, sd)
+        n = residual.shape[1]
+        z = residual * (np.exp(-log_scale) / np.sqrt(nu))
+        z *= z
+        fixed = n * _constant(nu)[:, 0] - log_scale.sum(axis=1) * (n / log_scale.shape[1])
+        return np.asarray(fixed - (nu[:, 0] + 1) / 2 * sum_log1p(z))
 
     def log_prior(self, eta: Array) -> Array:
         """Log density of Gamma(2, 0.1) per unit of ln nu, ``(n_draws,)``."""
@@ -139,6 +154,14 @@ class StudentT:
         nu = self._nu(eta)
         z = residual * np.exp(-scales(log_sigma, sd))
         return np.asarray((nu + 1) / (nu + z * z))
+
+
+def _constant(nu: Array) -> Array:
+    """Log density at 0 of a scale of 1.
+
+    The beta function keeps its digits where two gamma functions of a large nu don't.
+    """
+    return np.asarray(-betaln(0.5, nu / 2) - np.log(nu) / 2)
 
 
 NOISE = StudentT

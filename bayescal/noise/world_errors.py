@@ -7,14 +7,14 @@ Phys. 50, 912). The slope is found on a grid of ln sigma and interpolated in bet
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, IntArray
 from bayescal.noise.gaussian import Gaussian, log_normal
-from bayescal.noise.model import scales
+from bayescal.noise.model import NoiseModel, scales
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +46,10 @@ class WorldErrors(Gaussian):
     def _log_scale(self, log_sigma: Array, sd: Array | None) -> Array:
         own = np.exp(2 * scales(log_sigma, sd))
         return np.asarray(np.log(own + self.carried(log_sigma)) / 2)
+
+    def taken(self, part: slice | IntArray) -> NoiseModel:
+        """Give the errors of some of the points."""
+        return replace(self, variance=self.variance[:, part])
 
     def log_density(
         self, residual: Array, log_sigma: Array, eta: Array, sd: Array | None = None

@@ -9,6 +9,9 @@ from pathlib import Path
 from bayescal.files import write_whole
 from bayescal.points.correspondences import Correspondences
 
+# Rows that are turned into text at a time.
+ROWS = 65536
+
 
 def to_csv(points: Correspondences) -> str:
     """Format correspondences as CSV text; every number survives the round trip.
@@ -18,20 +21,18 @@ def to_csv(points: Correspondences) -> str:
     str
     """
     # Numbers first: a line that starts with a label could start with a comment's #.
-    columns: dict[str, list[str]] = {}
-    for name, values in zip(
-        ("x", "y", "z", "r", "c"), [*points.world.T, *points.pixels.T], strict=True
-    ):
-        columns[name] = [repr(float(v)) for v in values]
-    columns["label"] = list(points.labels)
-    if points.groups is not None:
-        columns["group"] = list(points.groups)
-    for axis, sd in points.sigma.items():
-        columns[f"sigma_{axis}"] = [repr(float(v)) for v in sd]
+    numbers = dict(zip("xyzrc", [*points.world.T, *points.pixels.T], strict=True))
+    deviations = {f"sigma_{axis}": sd for axis, sd in points.sigma.items()}
+    texts = {"label": points.labels, "group": points.groups}
+    named = {name: values for name, values in texts.items() if values is not None}
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*columns.values(), strict=True))
+    writer.writerow([*numbers, *named, *deviations])
+    for start in range(0, len(points), ROWS):
+        part = slice(start, start + ROWS)
+        # repr of a double has every digit.
+        first, last = ([v[part].tolist() for v in c.values()] for c in (numbers, deviations))
+        writer.writerows(zip(*first, *(v[part] for v in named.values()), *last, strict=True))
     return text.getvalue()
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bayescal.arrays import Array, frozen
+from bayescal.arrays import Array, IntArray, frozen
 from bayescal.errors import InputError
 from bayescal.points.pixel import SMALLEST_IMAGE, pixel_of
 from bayescal.polynomials.basis import (
@@ -19,6 +19,7 @@ from bayescal.polynomials.basis import (
     legendre_design,
 )
 from bayescal.polynomials.plane import PlaneMap, plane_columns, plane_design, powers
+from bayescal.polynomials.rows import ALL
 from bayescal.polynomials.whole import Whole
 from bayescal.rounding import counted
 
@@ -143,16 +144,23 @@ class AxisData:
             return tuple(range(order + 1))
         return tuple(i + j for i, j in powers(order))
 
-    def weighted(self, order: int) -> Array:
+    def weighted(self, order: int, part: slice = ALL) -> Array:
         """Give [design | pixels] over the deviations, ``(n_points, n_coefficients + 1)``."""
-        return np.column_stack([self.design(order), self.t]) / self.deviations[:, None]
+        both = np.column_stack([self.design(order, part), self.t[part]])
+        return both if self.sd is None else both / self.sd[part, None]
 
-    def design(self, order: int) -> Array:
-        """Design matrix of an order in its Legendre basis, ``(n_points, columns)``."""
-        s = self.domain.scale(self.x)
+    def design(self, order: int, part: slice | IntArray = ALL) -> Array:
+        """Design matrix of an order in its Legendre basis, ``(n_points, columns)``.
+
+        Parameters
+        ----------
+        part : slice or IntArray, optional
+            Of which points.
+        """
+        s = self.domain.scale(self.x[part])
         if self.other is None:
             return legendre_design(s, order)
-        return plane_design(s, self.across.scale(self.other), order)
+        return plane_design(s, self.across.scale(self.other[part]), order)
 
     def monomials(self, order: int) -> PolynomialMap:
         """From the basis's amplitudes to the coefficients that are reported."""

@@ -157,3 +157,20 @@ def test_one_regressor_too_far_from_all_others_is_refused(factor, order):
     factorise(data, works)
     with pytest.raises(InputError, match=f"the highest order that works is {works}"):
         factorise(data, works + 1)
+
+
+def test_many_points_are_factorised_part_by_part(monkeypatch):
+    """Truth: all at once. R is the same but for signs of rows; both round by some eps."""
+    data = thesis_axis("r")
+    whole = factorise(data, 3)
+    monkeypatch.setattr("bayescal.linear.least_squares.PART", 10)
+    parts = factorise(data, 3)
+    scale = np.abs(whole.r).max()
+    np.testing.assert_allclose(
+        parts.r.T @ parts.r, whole.r.T @ whole.r, rtol=0, atol=100 * EPS * scale**2
+    )
+    for order in range(1, 4):
+        assert parts.rss(order) == pytest.approx(whole.rss(order), rel=1e-12)
+        ours, theirs = solve(parts, order), solve(whole, order)
+        np.testing.assert_allclose(ours.coefficients, theirs.coefficients, rtol=1e-11)
+    assert (parts.n, parts.largest) == (whole.n, whole.largest)

@@ -105,6 +105,22 @@ def test_many_draws_at_once_are_each_draw_alone(model):
 
 
 @every_model
+@pytest.mark.parametrize("n", [7, 1000, 1003])
+@pytest.mark.parametrize("far", [5.0, 1e40])
+def test_the_total_is_the_sum_of_the_densities(model, n, far):
+    """Also where a product of many factors would overflow."""
+    rng = np.random.default_rng(2)
+    log_sigma, eta = places(model, rng, 5)
+    residual, sd = rng.normal(0, 5, (5, n)), rng.uniform(0.5, 2, n)
+    residual[:, 3:5] *= far
+    for own in (None, sd):
+        density = model.log_density(residual, log_sigma, eta, own)
+        found = model.total(residual, log_sigma, eta, own)
+        scale = np.abs(density).sum(axis=1)
+        assert (np.abs(found - density.sum(axis=1)) <= 1e-14 * scale).all()
+
+
+@every_model
 def test_what_is_simulated_is_what_is_scored(model):
     """Kolmogorov-Smirnov of 20 000 simulated residuals against the integrated density."""
     rng = np.random.default_rng(3)

@@ -147,7 +147,10 @@ class RobustOrder(_Order):
         from bayescal.inference.sampled_posterior import sample_model
 
         rng, ladder = self.key.rng(settings.seed), self.model.ladder
-        sample = partial(sample_model, self.model, rng, settings.ess, ladder=ladder)
+        draws = self.model.evidence_draws
+        sample = partial(
+            sample_model, self.model, rng, settings.ess, evidence_draws=draws, ladder=ladder
+        )
         return store.posterior(self.key, self.model, sample, beside=beside)
 
     def beside(self, store: Store, settings: Settings) -> Weighed:  # noqa: ARG002
@@ -155,7 +158,7 @@ class RobustOrder(_Order):
         from bayescal.inference.sampled_posterior import evidence_of
 
         rng, ladder = self.key.rng(settings.seed), self.model.ladder
-        found = evidence_of(self.model, rng, settings.ess, ladder)
+        found = evidence_of(self.model, rng, settings.ess, ladder, self.model.evidence_draws)
         return Weighed(
             key=self.key,
             log_evidence=found.log_evidence,

@@ -46,6 +46,7 @@ from bayescal.noise.world_errors import WorldErrors
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.rows import ALL
 from bayescal.polynomials.separable import NAME, axis_data
 
 
@@ -212,11 +213,12 @@ def _robust_view(
     full, model = draws.completed, mixture.model
     amplitudes = full[:, : model.size]
     covariance = np.atleast_2d(np.cov(amplitudes, rowvar=False))
-    variance = ((model.design @ covariance) * model.design).sum(axis=1)
+    design = model.design[ALL]
+    variance = ((design @ covariance) * design).sum(axis=1)
     bad = model.bad_probability(full)
     assert bad is not None, "the mixture knows bad points"
     return RobustView(
-        model.design @ amplitudes.mean(axis=0),
+        design @ amplitudes.mean(axis=0),
         np.sqrt(variance),
         bad,
         heavy.model.weight(heavy_draws.completed),

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from bayescal.points.chunks.chunk import HELD, Found
+from bayescal.points.chunks.gathered import gathered
 from bayescal.points.chunks.stored import cut, cut_array, of_npy, of_parquet
 from bayescal.points.chunks.text import of_text
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.exports import npy
-from bayescal.points.reader import EXPORTS, load
+from bayescal.points.reader import EXPORTS
 from bayescal.points.setup import Setup
 from bayescal.points.tables.columns import WORLD_SIGMAS, parse_stated
 from bayescal.points.tables.content import Content
@@ -34,8 +35,6 @@ class ManyPoints:
         Where they come from, for messages.
     found : Found
         What is known of them before they are read.
-    load : callable
-        Reads them at once, for what needs them so.
     digest : callable
         SHA-256 of what they are read from.
     setup : Setup
@@ -46,7 +45,6 @@ class ManyPoints:
 
     source: str
     found: Found
-    load: Callable[[], Correspondences]
     digest: Callable[[], str]
     setup: Setup = field(default_factory=Setup)
     begun: Callable[[], Callable[[int], None]] | None = None
@@ -72,7 +70,9 @@ class ManyPoints:
         InputError
             Where they are too many.
         """
-        return replace(self.load(), setup=self.setup)
+        found = self.found
+        labelled = "label" in found.columns
+        return gathered(self.source, self, self.digest(), found.notes, labelled=labelled)
 
 
 def many_points(source: Any, columns: str | Mapping[str, str] | None = None) -> ManyPoints | None:
@@ -106,9 +106,7 @@ def many_points(source: Any, columns: str | Mapping[str, str] | None = None) -> 
     found = _found(path, beginning, stated)
     if found is None or "view" in found.columns:
         return None
-    return ManyPoints(
-        str(path), found, lambda: load(path, columns=stated), lambda: _file_digest(path)
-    )
+    return ManyPoints(str(path), found, lambda: _file_digest(path))
 
 
 def _found(path: Path, beginning: bytes, stated: Mapping[str, str] | None) -> Found | None:
@@ -123,9 +121,9 @@ def _found(path: Path, beginning: bytes, stated: Mapping[str, str] | None) -> Fo
 
 
 def _held(points: Correspondences) -> ManyPoints:
-    names = frozenset(f"sigma_{name}" for name in points.sigma)
+    names = frozenset(["label", *(f"sigma_{name}" for name in points.sigma)])
     found = Found(len(points), names, lambda setup: cut(points, setup), points.notes)
-    return ManyPoints(points.source, found, lambda: points, lambda: points.sha256, points.setup)
+    return ManyPoints(points.source, found, lambda: points.sha256, points.setup)
 
 
 def _array(table: Any) -> ManyPoints | None:
@@ -140,7 +138,6 @@ def _array(table: Any) -> ManyPoints | None:
     return ManyPoints(
         "arrays",
         found,
-        lambda: load(table),
         lambda: hashlib.sha256(np.ascontiguousarray(table)).hexdigest(),
     )
 

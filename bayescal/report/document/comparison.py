@@ -23,6 +23,8 @@ from bayescal.report.document.shared import (
 from bayescal.report.numbers import point_chances
 
 SCHEMA = "bayescal.comparison/1"
+# Points of robust noise that are listed, at most.
+SHOWN = 5000
 
 
 def comparison_document(comparison: Comparison, command: str) -> dict[str, Any]:
@@ -167,14 +169,22 @@ def _noise(axis: AxisComparison) -> dict[str, Any]:
 
 
 def _points(axis: AxisComparison) -> list[dict[str, Any]] | None:
-    """Give what robust noise says of every point at the recommended order."""
+    """Give what robust noise says of every point at the recommended order.
+
+    Of many points those that it trusts least, in the points' order.
+    """
     found = point_chances(axis.chosen)
     if found is None:
         return None
-    bad = [None] * len(found.weight) if found.bad is None else found.bad.tolist()
+    weight, bad, labels = found.weight, found.bad, axis.data.labels
+    kept = np.sort(np.argsort(weight, kind="stable")[:SHOWN]).tolist()
     return [
-        {"label": label, "bad_probability": p, "weight": w}
-        for label, p, w in zip(axis.data.labels, bad, found.weight.tolist(), strict=True)
+        {
+            "label": labels[i],
+            "bad_probability": None if bad is None else float(bad[i]),
+            "weight": float(weight[i]),
+        }
+        for i in kept
     ]
 
 

@@ -18,8 +18,10 @@ from bayescal.encoding import Encoded
 from bayescal.errors import InputError
 from bayescal.files import RESULT
 from bayescal.inference.arviz_bridge import Draws, parse_netcdf
+from bayescal.points.chunks.many import many_points
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.reader import load
+from bayescal.points.setup_file import load_setup
 from bayescal.points.tables.text import reason
 from bayescal.points.views.reader import load_views
 from bayescal.points.views.views import Views
@@ -150,7 +152,12 @@ class RunFiles:
         """Read the points, which name the source they once came from."""
         for name in (POINTS, SETUP):
             self.content(name)
-        read = self._named(load(self.folder / POINTS, self.folder / SETUP))
+        setup, many = load_setup(self.folder / SETUP), many_points(self.folder / POINTS)
+        if many is not None:
+            read = dataclasses.replace(many, setup=setup).at_once()
+        else:
+            read = load(self.folder / POINTS, setup)
+        read = self._named(read)
         of = self.document["data"]["n_points"] if REDUCTION in self.manifest["files"] else None
         return dataclasses.replace(read, drawn_from=of)
 

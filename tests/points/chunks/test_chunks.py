@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 import bayescal as bc
 from bayescal.errors import InputError
-from bayescal.points.chunks import stored, text
+from bayescal.points.chunks import gathered, stored, text
 from bayescal.points.chunks.chunk import HELD, Lazily
 from bayescal.points.chunks.drawn import Drawn
 from bayescal.points.chunks.many import ManyPoints, many_points
@@ -110,6 +110,34 @@ def test_chunks_hold_every_point_once(form: Callable[[Path], None], tmp_path: Pa
         assert places == [at_once.place(i) for i in range(N)]
     if "sigma_r" in many(path).found.columns:
         assert all((c.sigma["r"] == 0.5).all() for c in chunks)
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_gathered_they_are_those_read_at_once(form: Callable[[Path], None], tmp_path: Path) -> None:
+    path = tmp_path / "points"
+    form(path)
+    found, expected = many(path).at_once(), bc.load(path)
+    np.testing.assert_array_equal(found.world, expected.world)
+    np.testing.assert_array_equal(found.pixels, expected.pixels)
+    assert set(found.sigma) == set(expected.sigma)
+    for name, sd in expected.sigma.items():
+        np.testing.assert_array_equal(found.sigma[name], sd)
+    assert list(found.labels) == list(expected.labels)
+    assert found.groups == expected.groups
+    assert (found.source, found.sha256, found.notes) == (
+        expected.source,
+        expected.sha256,
+        expected.notes,
+    )
+    if form not in (npy, columns_first, fields, parquet):
+        assert [found.place(i) for i in range(N)] == [expected.place(i) for i in range(N)]
+
+
+def test_more_than_can_be_held_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gathered, "MOST", N - 1)
+    csv(tmp_path / "points.csv")
+    with pytest.raises(InputError, match=r"points.csv: holds more than 5999 points, the most that"):
+        many(tmp_path / "points.csv").at_once()
 
 
 @pytest.mark.parametrize("form", [csv, npy, parquet])
