@@ -16,6 +16,7 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES, LARGEST_PX, Setup
 from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.basis import Domain, MonomialMap, legendre_design
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 from bayescal.polynomials.separable import axis_data
 from bayescal.prior.amplitudes import PriorRule
 
@@ -204,9 +205,9 @@ def _from_prior(
 ) -> AxisTruth:
     """Make up a camera that fills its image; its non-linearity is from the field prior."""
     if not data.size_known:
-        side = "width" if data.axis == "r" else "height"
         raise InputError(
-            f"the image {side} is not known, and the prior of {data.axis} needs it; give a setup"
+            f"the image {PIXEL_AXES[data.axis].side} is not known, and the prior of {data.axis} "
+            "needs it; give a setup"
         )
     prior = PriorRule("field", data.size, data.size / 2, tau).of_order(order)
     deviations = prior.deviations(np.log([tau]))[0]

@@ -147,13 +147,14 @@ def _like(name: str | None) -> Correspondences | None:
 
 def _told(truth: Truth, number: Callable[[float], str]) -> list[str]:
     """Lines that say what the points were made with, coefficients written by `number`."""
+    from bayescal.polynomials.pixel_axis import PIXEL_AXES
+
     lines = []
     for axis, t in truth.axes.items():
         strength = f", tau {t.tau:g}" if t.tau is not None else ""
         lines.append(f"truth of {axis}: order {t.order}, sigma {t.sigma:g} px{strength}")
-        symbol = "alpha" if axis == "r" else "beta"
         values = ", ".join(map(number, t.coefficients.tolist()))
-        lines.append(f"  {symbol}, px, of ({t.regressor})^0, ^1, ...: {values}")
+        lines.append(f"  {PIXEL_AXES[axis].symbol}, px, of ({t.regressor})^0, ^1, ...: {values}")
         ends = f"{t.domain.lower:.4g} to {t.domain.upper:.4g}"
         values = ", ".join(f"{v:.4g}" for v in t.amplitudes.tolist())
         lines.append(f"  px that each order adds at the edge of {t.regressor}, {ends}: {values}")

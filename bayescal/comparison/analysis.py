@@ -36,6 +36,7 @@ from bayescal.points.groups import Groups, groups_of
 from bayescal.points.setup import AXES
 from bayescal.polynomials import separable
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 from bayescal.polynomials.whole import Whole
 
 Progress: TypeAlias = Callable[[str, int], None]
@@ -89,7 +90,7 @@ def analyse_points(
     # One thread: a sum split over cores rounds differently from machine to machine.
     with threadpool_limits(1):
         for name, wanted in orders.items():
-            other = data["c" if name == "r" else "r"].x
+            other = data[PIXEL_AXES[name].other].x
             axis = Axis.of(
                 data[name],
                 settings,

@@ -67,7 +67,7 @@ def noise_level(data: AxisData, settings: Settings, other: Array | None, order: 
     pixels, level, source, _ = _pixel_noise(data, settings, other)
     shape = settings.noise_model(data)
     exact = data.x_sd is None or not data.x_sd.any()
-    if (settings.choice.robust or not exact) and data.axis != "y":
+    if (settings.choice.robust or not exact) and not data.generic:
         level = level.on_readings(pixels.t, pixels.sd)
     if exact:
         return ChosenLevel(pixels, level, source, shape)
@@ -148,8 +148,7 @@ def _check_known(data: AxisData, sigma: float) -> None:
     if not data.in_pixels:
         low, high = (data.size * share for share in KNOWN_SHARE)
     if not low <= sigma <= high:
-        unit = "" if data.axis == "y" else " px"
-        raise InputError(f"sigma must be from {low:.3g} to {high:.3g}{unit}, not {sigma:g}")
+        raise InputError(f"sigma must be from {low:.3g} to {high:.3g}{data.suffix}, not {sigma:g}")
 
 
 def check_resolved(where: str, noise: NoiseLevel, rss: float, n: int, order: int) -> None:

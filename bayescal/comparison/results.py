@@ -96,7 +96,7 @@ class AxisComparison(Recommends, Lists[int, OrderResult]):
     def _repr_html_(self) -> str:
         """Show orders and verdict in a notebook."""
         data, best = self.data, self.verdict.order
-        unit = "units of y" if data.axis == "y" else "px"
+        unit = data.unit
         rows = [
             [
                 f"{r.order} (recommended)" if r.order == best else f"{r.order}",

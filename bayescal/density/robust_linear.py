@@ -101,7 +101,7 @@ class RobustLinearModel:
             data.t,
             data.sd,
             prior,
-            level if data.axis == "y" else level.on_readings(data.t, data.sd),
+            level if data.generic else level.on_readings(data.t, data.sd),
             noise,
             monomials.lead(order),
             tuple(f"{data.symbol}_{powers}" for powers in monomials.suffixes),

@@ -18,6 +18,7 @@ from bayescal.polynomials.basis import (
     distinct_values,
     legendre_design,
 )
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 from bayescal.polynomials.plane import PlaneMap, plane_columns, plane_design, powers
 from bayescal.polynomials.rows import ALL
 from bayescal.polynomials.whole import Whole
@@ -112,6 +113,21 @@ class AxisData:
         """Give these points as a sample of the whole, whose domain and span they take."""
         span = self.size if self.size_known else span_of(whole.readings)
         return replace(self, whole=whole, frame=(whole.domain,), size=span)
+
+    @property
+    def generic(self) -> bool:
+        """Whether this is y of any kind, and not an axis of an image."""
+        return self.axis not in PIXEL_AXES
+
+    @property
+    def unit(self) -> str:
+        """Unit of t, as a heading names it."""
+        return "units of y" if self.generic else "px"
+
+    @property
+    def suffix(self) -> str:
+        """Unit behind a number, with its space; none of a generic y."""
+        return "" if self.generic else " px"
 
     @property
     def in_pixels(self) -> bool:

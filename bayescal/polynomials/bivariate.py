@@ -12,6 +12,7 @@ from dataclasses import replace
 from bayescal.points.correspondences import Correspondences
 from bayescal.polynomials import separable
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 
 NAME = "bivariate"
 
@@ -33,5 +34,5 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
         As `bayescal.polynomials.separable.axis_data`.
     """
     own = separable.axis_data(points, axis)
-    other = separable.axis_data(points, "c" if axis == "r" else "r")
+    other = separable.axis_data(points, PIXEL_AXES[axis].other)
     return replace(own, regressor=f"{own.regressor} and {other.regressor}", other=other.x)

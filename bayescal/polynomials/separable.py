@@ -9,10 +9,9 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import LARGEST, Correspondences
 from bayescal.points.pixel import pixel_of
 from bayescal.polynomials.axis_data import AxisData, pixel_span
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 
 NAME = "separable"
-# Axis: name of the regressor, column of its numerator, name of the coefficients.
-_AXES = {"r": ("x/z", 0, "alpha"), "c": ("y/z", 1, "beta")}
 
 
 def axis_data(points: Correspondences, axis: str) -> AxisData:
@@ -32,23 +31,24 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
         Where a point lies in the camera's plane (z = 0) or so close to it that
         the regressor overflows, or a pixel more than an image size outside the image.
     """
-    name, column, symbol = _AXES[axis]
+    own = PIXEL_AXES[axis]
     camera = points.camera_frame()
     depth = camera[:, 2]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        x = camera[:, column] / depth
+        x = camera[:, own.column] / depth
     bad = np.flatnonzero(~(np.abs(x) < LARGEST) | (depth == 0))
     if bad.size:
         raise InputError(
-            f"{points.place(int(bad[0]))}: z is {points.world[bad[0], 2] + 0.0:g}, in the camera's "
-            f"plane, where {name} is infinite; remove the point or mend the camera position"
+            f"{points.place(int(bad[0]))}: z is {points.world[bad[0], 2] + 0.0:g}, in the "
+            f"camera's plane, where {own.regressor} is infinite; remove the point or mend the "
+            "camera position"
         )
     t = points.checked_pixel(axis)
     size = points.setup.size(axis)
     return AxisData(
         axis=axis,
-        regressor=name,
-        symbol=symbol,
+        regressor=own.regressor,
+        symbol=own.symbol,
         x=frozen(x),
         t=frozen(t),
         sd=points.sigma.get(axis),
@@ -56,7 +56,7 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
         size=pixel_span(t) if size is None else size,
         size_known=size is not None,
         source=points.source,
-        x_sd=_regressor_deviations(points, column),
+        x_sd=_regressor_deviations(points, own.column),
     )
 
 

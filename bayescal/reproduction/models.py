@@ -18,6 +18,7 @@ import numpy as np
 
 from bayescal.arrays import Array
 from bayescal.errors import InputError
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 
 AS_WRITTEN, AS_CODED = "as-written", "as-coded"
 VARIANTS = (AS_WRITTEN, AS_CODED)
@@ -46,7 +47,7 @@ class ThesisModel:
     def __post_init__(self) -> None:
         if self.variant not in VARIANTS:
             raise InputError(f"variant must be {' or '.join(VARIANTS)}, not {self.variant!r}")
-        if self.axis not in ("r", "c"):
+        if self.axis not in PIXEL_AXES:
             raise InputError(f"axis must be r or c, not {self.axis!r}")
         if self.order < 1:
             raise InputError(f"order must be at least 1, not {self.order}")
@@ -54,7 +55,7 @@ class ThesisModel:
     @property
     def regressors(self) -> tuple[str, ...]:
         """What each power 0, 1, ... is a power of: ``"x/z"`` or ``"y/z"``."""
-        own = "x/z" if self.axis == "r" else "y/z"
+        own = PIXEL_AXES[self.axis].regressor
         slipped = self.variant == AS_CODED
         return tuple(
             "y/z" if slipped and power >= FIRST_SLIPPED_POWER else own
@@ -71,7 +72,7 @@ class ThesisModel:
     @property
     def coefficients(self) -> tuple[str, ...]:
         """Names of the coefficients: alpha_0, alpha_1, ... of r, beta_j of c."""
-        symbol = "alpha" if self.axis == "r" else "beta"
+        symbol = PIXEL_AXES[self.axis].symbol
         return tuple(f"{symbol}_{power}" for power in range(self.order + 1))
 
     @property

@@ -102,7 +102,7 @@ class Problem:
     @property
     def unit(self) -> str:
         """Unit of the residuals."""
-        return "px" if self.data.axis in ("r", "c") else "units of y"
+        return self.data.unit
 
     @cached_property
     def sd(self) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.linear.least_squares import LeastSquaresFit
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def world_units(data: AxisData, fit: LeastSquaresFit, camera: Array) -> tuple[Wo
     slope = np.polynomial.legendre.legval(domain.scale(data.x), derivative)
     by_depth = np.argsort(np.abs(depth), kind="stable")
     near, middle = int(by_depth[0]), int(by_depth[(len(by_depth) - 1) // 2])
-    across = "x" if data.axis == "r" else "y"
+    across = PIXEL_AXES[data.axis].across
     worth = {across: np.abs(slope / depth), "z": np.abs(slope * data.x / depth)}
     return tuple(
         WorldUnit(name, float(px[near]), float(px[middle]), data.labels[near], data.labels[middle])

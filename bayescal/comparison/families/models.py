@@ -35,6 +35,7 @@ from bayescal.noise.model import NoiseModel
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials import bivariate, separable
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 from bayescal.prior.camera import PinholePrior, pinhole_prior, position_prior
 
 LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
@@ -68,7 +69,7 @@ def linear_axes(
     out = []
     for axis in AXES:
         data = LINEAR[family](points, axis)
-        other = separable.axis_data(points, "c" if axis == "r" else "r").x
+        other = separable.axis_data(points, PIXEL_AXES[axis].other).x
         own = separable.axis_data(points, axis)
         chosen = noise_level(own, settings, other, min(highest, 5))
         chosen = check_exact_world(chosen)

@@ -47,8 +47,8 @@ class AveragedPrediction:
         Averaged over orders, ``(n_places,)``, px.
     between : Array
         The part of `sd` between orders, ``(n_places,)``, px.
-    unit : str
-        ``"px"``, or nothing of a generic y.
+    suffix : str
+        Unit behind a number, with its space.
     """
 
     order: int
@@ -59,7 +59,7 @@ class AveragedPrediction:
     mean: Array
     sd: Array
     between: Array
-    unit: str = "px"
+    suffix: str = " px"
 
 
 def averaged_prediction(
@@ -67,7 +67,7 @@ def averaged_prediction(
     posteriors: Mapping[int, ExactPosterior],
     probability: Mapping[int, float],
     order: int,
-    unit: str = "px",
+    suffix: str = " px",
 ) -> AveragedPrediction:
     """Average the orders' predictions at five places of the domain.
 
@@ -81,8 +81,8 @@ def averaged_prediction(
         Of each of them, summing to 1.
     order : int
         The one whose prediction stands beside.
-    unit : str, optional
-        Of a prediction.
+    suffix : str, optional
+        Unit behind a prediction, with its space.
     """
     s = np.array(PLACES)
     means, sds = {}, {}
@@ -104,7 +104,7 @@ def averaged_prediction(
         mean,
         np.sqrt(within + between),
         np.sqrt(between),
-        unit,
+        suffix,
     )
 
 
@@ -139,10 +139,8 @@ def averaged_over(
         return None
     exact = dict(sorted(exact.items()))
     weights = probabilities([e.log_integral for e in exact.values()])
-    unit = "" if axis.data.axis == "y" else "px"
-    return averaged_prediction(
-        axis.data.domain, exact, dict(zip(exact, weights, strict=True)), order, unit
-    )
+    chances = dict(zip(exact, weights, strict=True))
+    return averaged_prediction(axis.data.domain, exact, chances, order, axis.data.suffix)
 
 
 def averaged_words(found: AveragedPrediction | None) -> str:
@@ -154,10 +152,10 @@ def averaged_words(found: AveragedPrediction | None) -> str:
     sd, between, own = (float(v[at]) for v in (found.sd, found.between, found.chosen_sd))
     if between < SPOKEN * sd:
         return ""
-    unit = f" {found.unit}".rstrip()
+    px = found.suffix
     low, high = min(found.weights), max(found.weights)
     return (
         f"Averaged over orders {low} to {high}, the prediction at the domain's edge has an sd of "
-        f"{significant(sd)}{unit}, {significant(between)}{unit} of it between orders, where order "
-        f"{found.order} alone has {significant(own)}{unit}."
+        f"{significant(sd)}{px}, {significant(between)}{px} of it between orders, where order "
+        f"{found.order} alone has {significant(own)}{px}."
     )

@@ -47,14 +47,14 @@ class Sufficiency:
         Whether the user stated it; else it is a quarter of the noise level.
     differences : tuple of Difference
         Of the other orders of the plausible set, the most probable first.
-    unit : str
-        ``"px"``, or nothing of a generic y.
+    suffix : str
+        Unit behind a number, with its space.
     """
 
     tolerance: float
     stated: bool
     differences: tuple[Difference, ...]
-    unit: str = "px"
+    suffix: str = " px"
 
     @property
     def largest(self) -> float:
@@ -106,8 +106,7 @@ def sufficiency(
         found.append(Difference(order, float(np.quantile(sizes, PROBABILITY))))
     level = noise_of(data, noise, known[best])
     enough = QUARTER * level if tolerance is None else tolerance
-    unit = "" if data.axis == "y" else "px"
-    return Sufficiency(enough, tolerance is not None, tuple(found), unit)
+    return Sufficiency(enough, tolerance is not None, tuple(found), data.suffix)
 
 
 def noise_of(data: AxisData, noise: NoiseLevel, result: OrderResult) -> float:

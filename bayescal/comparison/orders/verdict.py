@@ -120,7 +120,7 @@ class AxisVerdict(Verdict):
         )
 
     def _size(self, value: float) -> str:
-        return f"{significant(value)} {self.enough.unit if self.enough else ''}".strip()
+        return significant(value) + (self.enough.suffix if self.enough else "")
 
 
 def verdict_on(

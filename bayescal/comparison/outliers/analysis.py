@@ -46,6 +46,7 @@ from bayescal.noise.world_errors import WorldErrors
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 from bayescal.polynomials.rows import ALL
 from bayescal.polynomials.separable import NAME, axis_data
 
@@ -81,7 +82,7 @@ def find_outliers(
                 settings,
                 family=NAME,
                 highest=orders[-1],
-                other=data["c" if name == "r" else "r"].x,
+                other=data[PIXEL_AXES[name].other].x,
                 stated=points.setup.priors.get(name),
             )
             if axis.shape.name == WorldErrors.name:
@@ -167,7 +168,7 @@ def _axis(
     slope = _slope(data, posterior, order) / points.camera_frame()[:, 2]
     shared = shared_errors(data, records, points.world, slope, scale * own)
     treatments = gaussian, without, *sampled
-    other = axis_data(points, "c" if data.axis == "r" else "r").x
+    other = axis_data(points, PIXEL_AXES[data.axis].other).x
     depth = points.camera_frame()[:, 2]
     rng = Key.of_axis(data.axis, 0, GAUSSIAN.name).rng(settings.seed, 1)
     fit = axis.fit(gaussian.order)

@@ -114,12 +114,11 @@ class AxisOutliers(Recommends, Lists[str, PointRecord]):
         return (*(s.words for s in together), *alone)
 
     def _alone(self, point: PointRecord) -> str:
-        unit = "" if self.data.axis == "y" else " px"
         predicted = rounded(point.predicted, point.predicted_sd)
         line = (
             f"point {point.label}: {self.data.axis} = {point.measured:g} where the mixture "
             f"predicts {predicted} ± {significant(point.predicted_sd)}, "
-            f"{significant(abs(point.off))}{unit} too {'much' if point.off > 0 else 'little'}; "
+            f"{significant(abs(point.off))} px too {'much' if point.off > 0 else 'little'}; "
             f"bad with probability {percent(point.bad_probability)}"
         )
         return line + "".join(s.beside(point.label) for s in self.shared)
@@ -143,9 +142,8 @@ class AxisOutliers(Recommends, Lists[str, PointRecord]):
             [p.label, f"{p.measured:g}", f"{p.off:+.3g}", percent(p.bad_probability)]
             for p in self.suspicious
         ]
-        unit = "units of y" if data.axis == "y" else "px"
         caption = f"Suspicious points of {data.axis} at order {self.order}, by the outlier mixture"
-        heads = ["point", f"{data.axis}, {unit}", f"off, {unit}", "P(bad)"]
+        heads = ["point", f"{data.axis}, px", "off, px", "P(bad)"]
         shown = table(caption, heads, rows) if rows else ""
         first = bullets("Look at the model first", self.against_the_model)
         last = bullets("Caveats", self.caveats)

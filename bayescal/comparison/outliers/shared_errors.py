@@ -10,6 +10,7 @@ import numpy as np
 from bayescal.arrays import Array, IntArray
 from bayescal.comparison.outliers.records import PointRecord
 from bayescal.polynomials.axis_data import AxisData
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 from bayescal.rounding import significant
 
 
@@ -101,7 +102,7 @@ def shared_errors(
     sigma : Array
         Noise level at each point, ``(n_points,)``, px.
     """
-    names = ("x", "z") if data.axis == "r" else ("y", "z")
+    names = PIXEL_AXES[data.axis].across, "z"
     columns = world[:, ["xyz".index(name) for name in names]]
     by_index = {p.index: p for p in records}
     _, cell = np.unique(columns, axis=0, return_inverse=True)

@@ -67,7 +67,7 @@ class Subject:
     @property
     def unit(self) -> str:
         """Unit of what is measured: a generic y has its own."""
-        return "unit of y" if self.axis.data.axis == "y" else "px"
+        return "unit of y" if self.axis.data.generic else "px"
 
     @property
     def title(self) -> str:

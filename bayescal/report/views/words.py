@@ -27,7 +27,7 @@ def noise_words(axis: AxisComparison) -> str:
 
 def shape_words(noise: NoiseModel, data: AxisData | None = None) -> str:
     """Say what a noise model is, with its priors."""
-    return noise.described("units of y" if data is not None and data.axis == "y" else "px")
+    return noise.described("px" if data is None else data.unit)
 
 
 def level_words(level: NoiseLevel) -> str:
@@ -42,7 +42,7 @@ def level_words(level: NoiseLevel) -> str:
 
 def floor_words(data: AxisData, level: NoiseLevel) -> str:
     """Say where robust noise rules out part of sigma's prior that Gaussian noise keeps."""
-    if data.axis == "y" or level.on_readings(data.t, data.sd).mass == 1:
+    if data.generic or level.on_readings(data.t, data.sd).mass == 1:
         return ""
     return (
         f" Robust noise rules out sigma below the rounding of whole pixels, {WHOLE_PIXEL:.2g} px; "

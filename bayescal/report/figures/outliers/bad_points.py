@@ -15,7 +15,6 @@ NAMED = 12  # bad points with their labels; more would hide each other
 
 def draw(axis: AxisOutliers) -> Figure:
     """Draw the axis's points: above the residuals of least squares, below P(bad)."""
-    unit = "units of y" if axis.data.axis == "y" else "px"
     figure = several_panels(WIDTH, 3.9)
     residuals, chances = figure.subplots(2, sharex=True)
     for points, colour, marker, words in (
@@ -39,7 +38,7 @@ def draw(axis: AxisOutliers) -> Figure:
         )
     residuals.axhline(0, color=GREY, linewidth=0.8)
     residuals.margins(y=0.15)
-    residuals.set_ylabel(f"residual [{unit}]")
+    residuals.set_ylabel("residual [px]")
     chances.axhline(BAD, color=GREY, linewidth=0.8, linestyle="--")
     chances.set_ylim(0, 1.08)
     chances.set_yticks(np.linspace(0, 1, 5))
@@ -53,10 +52,8 @@ def draw(axis: AxisOutliers) -> Figure:
 
 def alt_text(axis: AxisOutliers) -> str:
     """Name the bad points with their residuals and probabilities."""
-    unit = "" if axis.data.axis == "y" else " px"
     found = ", ".join(
-        f"{p.label} ({p.residual:+.3g}{unit}, {percent(p.bad_probability)})"
-        for p in axis.bad[:NAMED]
+        f"{p.label} ({p.residual:+.3g} px, {percent(p.bad_probability)})" for p in axis.bad[:NAMED]
     )
     rest = f" and {len(axis.bad) - NAMED} more" if len(axis.bad) > NAMED else ""
     said = f"More probably bad than good: {found}{rest}." if found else "None is probably bad."

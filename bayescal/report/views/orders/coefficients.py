@@ -108,7 +108,7 @@ def coefficients_table(axis: AxisComparison, result: OrderResult, *, full: bool 
             first = number_cell(fitted, partial(rounded, uncertainty=sd))
             cells = [first, *cells, Cell(f"{p.ess:.0f}", p.ess)]
         rows.append((Cell(_unitless(p.name), j), *cells, Cell(f"{p.rhat:.3f}", p.rhat)))
-    head = Column(f"order {result.order}, {_unit(axis)}")
+    head = Column(f"order {result.order}, {axis.data.unit}")
     spare = ("least sq.", "MCSE", "ESS", "ESS bulk")
     return Table((head, *columns), tuple(rows), spare=spare)
 
@@ -120,7 +120,7 @@ def _unitless(name: str) -> str:
 def exact_table(axis: AxisComparison, result: OrderResult) -> Table:
     """Least squares and the closed form of one order, beside each other."""
     columns = (
-        Column(f"without sampling, {_unit(axis)}"),
+        Column(f"without sampling, {axis.data.unit}"),
         Column("least squares"),
         Column("standard error"),
         Column("exact mean"),
@@ -184,10 +184,6 @@ def _reduced(axis: AxisComparison, good: GoodnessOfFit) -> str:
     if axis.reference.source == "highest-order":
         return f"{good.chi2_reduced:.4g}, by construction: sigma is taken from the same residuals"
     return f"{good.chi2_reduced:.4g} (its sd if the model is right: {good.chi2_reduced_sd:.2g})"
-
-
-def _unit(axis: AxisComparison) -> str:
-    return "units of y" if axis.data.axis == "y" else "px"
 
 
 def _maybe(value: float | None, form: Callable[[float], str]) -> str:

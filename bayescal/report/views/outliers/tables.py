@@ -22,18 +22,17 @@ def points_table(axis: AxisOutliers, *, everything: bool = True) -> Table:
     everything : bool, optional
         Whether to show every point, or the suspicious ones and a few more.
     """
-    unit = "y" if axis.data.axis == "y" else "px"
     shown = axis.points if everything else axis.points[: max(len(axis.suspicious) + 2, SHOWN)]
     winner = axis.treatments[0].order
     columns = (
         Column("point"),
-        Column("y" if unit == "y" else f"{axis.data.axis} px", "measured"),
-        Column(f"residual {unit}", "measured less least squares of all points"),
+        Column(f"{axis.data.axis} px", "measured"),
+        Column("residual px", "measured less least squares of all points"),
         Column("standard.", "residual over its own sd, sigma from the other points"),
         Column("leverage", "0 to 1: how far the point fixes its own prediction"),
         Column("Cook", "Cook's distance"),
         Column("rejected", "orders at which the chi-squared test removes the point"),
-        Column(f"off {unit}", "measured less what the mixture predicts"),
+        Column("off px", "measured less what the mixture predicts"),
         Column("P(bad)", "posterior probability of being bad, under the mixture"),
         Column("weight t", "share of a good point's precision that Student-t noise leaves it"),
         Column("ln B without", f"of order {winner} against the best other, without the point"),
