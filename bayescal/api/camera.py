@@ -53,7 +53,7 @@ def camera(
 
         found = camera_at(source)
     else:
-        from bayescal.prediction.calibrated.sources import camera_of
+        from bayescal.report.camera import camera_of
 
         found = camera_of(source)
     return (found if model is None else found.only(model)).average(average)

@@ -9,8 +9,7 @@ from pathlib import Path
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.calibrated.saved import camera_from, load_camera
-from bayescal.report.run.bounded import bounded
-from bayescal.report.run.camera import CAMERA, MANIFEST
+from bayescal.report.run.bounded import CAMERA, MANIFEST, bounded
 
 
 def camera_at(place: str | Path) -> CalibratedCamera:
@@ -38,6 +37,24 @@ def camera_at(place: str | Path) -> CalibratedCamera:
     return camera_from(raw, str(file))
 
 
+def camera_of(result: object) -> CalibratedCamera:
+    """Make the camera of a comparison of orders, of families, or of lens models.
+
+    Raises
+    ------
+    InputError
+        Where the result is of no camera: of arrays, or of one axis alone.
+    """
+    from bayescal.report.runs import kinds
+
+    kind = next((kind for kind in kinds() if isinstance(result, kind.result)), None)
+    if kind is None:
+        from bayescal.report.run.kind import no_camera
+
+        raise no_camera(result)
+    return kind.camera(result)
+
+
 def _expected(folder: Path) -> str | None:
     """Hash of the camera as the run's manifest has it."""
     try:
@@ -48,7 +65,6 @@ def _expected(folder: Path) -> str | None:
 
 def _reopened(folder: Path) -> CalibratedCamera:
     """Make the camera of a run that holds none."""
-    from bayescal.prediction.calibrated.sources import camera_of
     from bayescal.report.runs import open_run
 
     result = open_run(folder)

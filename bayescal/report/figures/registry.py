@@ -133,9 +133,9 @@ class FigureKind:
 def maps_of(result: Any) -> Any:
     """Make the maps of a camera, or of a result that holds one; maps stay as they are."""
     from bayescal.prediction.calibrated.camera import CalibratedCamera
-    from bayescal.prediction.calibrated.sources import camera_of
     from bayescal.prediction.changed import Change
     from bayescal.prediction.maps import ImageMaps, image_maps
+    from bayescal.report.camera import camera_of
 
     if isinstance(result, ImageMaps | Change):
         return result

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bayescal.comparison.analysis import analyse_points
 from bayescal.comparison.results import Comparison, OrderResult
@@ -21,6 +21,9 @@ from bayescal.report.run.reduction import REDUCTION, reduction_bytes
 from bayescal.report.run.shape import NUMBER, Each, Same
 from bayescal.report.views.comparison import VIEWS
 from bayescal.version import __version__
+
+if TYPE_CHECKING:  # what is printed alone does not pay for a camera
+    from bayescal.prediction.calibrated.camera import CalibratedCamera
 
 MEAN = Same("mean", unit="sd", now="from its draws")
 COEFFICIENT = {"name": str, "mean": MEAN, "sd": NUMBER}
@@ -91,6 +94,12 @@ class ComparisonKind(RunKind[Comparison]):
         for name in result.axes:
             figure = KINDS["corner"].draw(result, name)
             (folder / f"corner-{name}.png").write_bytes(figure_bytes(figure, "png", dpi=150))
+
+    def camera(self, result: Comparison) -> CalibratedCamera:
+        """Make its camera."""
+        from bayescal.prediction.calibrated.orders import orders_camera
+
+        return orders_camera(result)
 
     def reopen(self, run: RunFiles, settings: Settings) -> Comparison:
         """Compare again, with the run's draws; the look at other families is the run's own."""

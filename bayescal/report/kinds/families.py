@@ -14,6 +14,8 @@ from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.settings import Settings
 from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.stored import packed
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.families import families_camera
 from bayescal.report.document.families import SCHEMA, families_document
 from bayescal.report.kinds.comparison import COEFFICIENT, EVIDENCE, SETTINGS
 from bayescal.report.run.files import RunFiles
@@ -99,6 +101,10 @@ class FamiliesKind(RunKind[FamilyComparison]):
                 library="bayescal" if model.posterior is None else "emcee",
             )
         return found
+
+    def camera(self, result: FamilyComparison) -> CalibratedCamera:
+        """Make its camera."""
+        return families_camera(result)
 
     def reopen(self, run: RunFiles, settings: Settings) -> FamilyComparison:
         """Compare again, with the run's draws and weights.

@@ -14,6 +14,8 @@ from bayescal.inference.arviz_bridge import Draws
 from bayescal.inference.stored import packed
 from bayescal.points.views.views import Views
 from bayescal.points.views.writer import views_to_csv
+from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.lenses import lens_camera
 from bayescal.report.document.lenses import SCHEMA, lenses_document
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import VIEWS, described
@@ -104,6 +106,10 @@ class LensesKind(RunKind[LensComparison]):
             "tau a fraction of the image's width, of bow of the target's diagonal",
         )
         return {best.key.file(): kept}
+
+    def camera(self, result: LensComparison) -> CalibratedCamera:
+        """Make its camera."""
+        return lens_camera(result)
 
     def reopen(self, run: RunFiles, settings: Settings) -> LensComparison:
         """Compare again, with what was judged and drawn."""

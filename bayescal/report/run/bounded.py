@@ -8,6 +8,8 @@ from pathlib import Path
 from bayescal.errors import InputError
 from bayescal.points.tables.text import reason
 
+# Its manifest, and the camera beside the draws, which answers without them.
+MANIFEST, CAMERA = "run.json", "camera.npz"
 # Bytes: a million draws of twenty parameters.
 LARGEST = 1_000_000_000
 

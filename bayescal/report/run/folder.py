@@ -27,9 +27,8 @@ from bayescal.arrays import Array
 from bayescal.encoding import encoded
 from bayescal.files import RESULT, FolderKind
 from bayescal.inference.arviz_bridge import Draws, write_netcdf
-from bayescal.report.run.bounded import bounded
-from bayescal.report.run.camera import CAMERA
-from bayescal.report.run.camera import MANIFEST as MANIFEST
+from bayescal.report.run.bounded import CAMERA, bounded
+from bayescal.report.run.bounded import MANIFEST as MANIFEST
 from bayescal.report.run.covariance import COVARIANCE
 from bayescal.report.run.reduction import REDUCTION
 from bayescal.version import __version__

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
 
 from bayescal.comparison.faces.convert import Converts
 from bayescal.comparison.settings import Settings
@@ -17,14 +18,25 @@ from bayescal.points.setup_file import to_toml
 from bayescal.points.writer import to_csv
 from bayescal.report.blocks import Blocks
 from bayescal.report.document.shared import dumps
-from bayescal.report.run.camera import CAMERA, camera_bytes_of
+from bayescal.report.run.bounded import CAMERA
 from bayescal.report.run.covariance import COVARIANCE, covariance_csv
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import POINTS, RUN, SETUP, fill_run
 from bayescal.report.run.shape import disagreement
 from bayescal.report.views.views import Views
 
+if TYPE_CHECKING:  # what is printed alone does not pay for a camera
+    from bayescal.prediction.calibrated.camera import CalibratedCamera
+
 Result = TypeVar("Result")
+
+
+def no_camera(result: object) -> InputError:
+    """Complain that something holds no calibrated camera."""
+    return InputError(
+        f"a result of the kind {type(result).__name__} holds no calibrated camera; take one of "
+        "compare, fit or calibrate"
+    )
 
 
 class Kind(ABC, Generic[Result]):
@@ -141,6 +153,16 @@ class RunKind(Kind[Result]):
             Where what was asked for is not usable here.
         """
 
+    def camera(self, result: Result) -> CalibratedCamera:
+        """Make the calibrated camera of a result.
+
+        Raises
+        ------
+        InputError
+            Where it holds none.
+        """
+        raise no_camera(result)
+
     def view(self, result: Result, *, full: bool = False) -> Blocks:
         """Give what its command prints, or everything there is to say."""
         return self.views.full(result) if full else self.views.brief(result)
@@ -164,10 +186,12 @@ class RunKind(Kind[Result]):
 
     def fill(self, folder: Path, result: Result) -> None:
         """Write what the result is of, camera, draws and their hashes, and pictures."""
-        files, camera = self.files(result), camera_bytes_of(result)
+        from bayescal.prediction.calibrated.saved import camera_bytes
+
+        files = self.files(result)
         files[COVARIANCE] = covariance_csv(self.models(result)).encode()
-        if camera is not None:
-            files[CAMERA] = camera
+        with suppress(InputError):  # it may hold no camera
+            files[CAMERA] = camera_bytes(self.camera(result))
         derived = getattr(result, "derived", {})
         fill_run(folder, files, self.draws(result), derived, self.read(result))
         self.pictures(folder, result)

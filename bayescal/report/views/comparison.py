@@ -130,9 +130,10 @@ def title(comparison: Comparison) -> str:
 
 def _maps(comparison: Comparison) -> Section | None:
     """Show the image's maps, which the terminal has no need of."""
+    from bayescal.prediction.calibrated.orders import orders_camera
     from bayescal.report.views.maps import map_section
 
-    return map_section(comparison)
+    return map_section(comparison, orders_camera)
 
 
 VIEWS = Views(

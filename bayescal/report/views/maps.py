@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.calibrated.members import BoolArray
-from bayescal.prediction.calibrated.sources import camera_of
 from bayescal.prediction.maps import NAMES, ImageMaps, image_maps
 from bayescal.prediction.sights import Sights
 from bayescal.report.blocks import Blocks, Figure, Listing, Section, Tabled
@@ -17,6 +17,7 @@ from bayescal.report.table import Cell, Column, Table, answers_table
 from bayescal.report.views.prediction import models_words
 from bayescal.rounding import counted, significant
 
+Result = TypeVar("Result")
 MOST = 3  # other models, in sentences and columns
 SD_CAPTION = (
     "Standard deviation of the mapping and of a new measurement over the image; hatched: beyond "
@@ -38,7 +39,7 @@ def map_blocks(maps: ImageMaps) -> Blocks:
     return (Tabled("map-places", PLACES_CAPTION, places_table(maps), tuple(_lines(maps))),)
 
 
-def map_section(result: Any) -> Section | None:
+def map_section(result: Result, camera_of: Callable[[Result], CalibratedCamera]) -> Section | None:
     """Make the chapter of a page, with figures; None of a result that holds no camera."""
     try:
         maps = image_maps(camera_of(result))

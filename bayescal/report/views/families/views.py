@@ -6,6 +6,7 @@ from bayescal.comparison.criteria.information import ACROSS
 from bayescal.comparison.families.defence import LEFT_OUT
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.results import FamilyComparison
+from bayescal.prediction.calibrated.families import families_camera
 from bayescal.report.blocks import (
     Answer,
     Answers,
@@ -160,7 +161,7 @@ VIEWS = Views(
         "families": section,
         "residuals of families": residuals_section,
         "parameters of families": parameters_section,
-        "maps": map_section,
+        "maps": lambda found: map_section(found, families_camera),
     },
     UNSOUND,
 )

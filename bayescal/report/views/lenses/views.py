@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from bayescal.comparison.faces.convert import Converts
 from bayescal.comparison.lenses.results import LensComparison
+from bayescal.prediction.calibrated.lenses import lens_camera
 from bayescal.report.blocks import (
     Answer,
     Answers,
@@ -157,7 +158,7 @@ def lenses_section(found: LensComparison) -> Section:
 
 def image_section(found: LensComparison) -> Section:
     """Show where in the image the lens can be trusted, and what another one would move."""
-    section = map_section(found)
+    section = map_section(found, lens_camera)
     if section is None:
         lead = "How sure the projection is."
         return Section("maps", "Over the image", lead, (places(found),))
