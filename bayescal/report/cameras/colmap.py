@@ -7,18 +7,18 @@ COLMAP's pixel centres are at 0.5, so that its principal point is ours plus a ha
 from __future__ import annotations
 
 from bayescal.cameras.lenses import Lens
-from bayescal.cameras.lenses.division import Division
-from bayescal.cameras.lenses.eucm import Eucm
 from bayescal.report.cameras.camera import FittedCamera, filled, fisheye, is_fisheye, shortest
 
 NAME = "COLMAP"
 COVARIANCE = False
 CENTRE = 0.5
+# Lenses of the same name and coefficients there.
+ALIKE = ("division", "eucm")
 
 
 def holds(lens: Lens) -> bool:
     """Whether COLMAP has the lens: up to opencv8, a fisheye of four, division, eucm."""
-    if isinstance(lens, Division | Eucm) or is_fisheye(lens):
+    if lens.name in ALIKE or is_fisheye(lens):
         return True
     return (shortest(lens) or 99) <= 8
 
@@ -26,7 +26,7 @@ def holds(lens: Lens) -> bool:
 def text(camera: FittedCamera) -> str:
     """Write the file."""
     lens = camera.lens
-    if isinstance(lens, Division | Eucm):
+    if lens.name in ALIKE:
         model, k = lens.name.upper(), camera.coefficients.tolist()
     elif is_fisheye(lens):
         model, k = "OPENCV_FISHEYE", fisheye(camera)

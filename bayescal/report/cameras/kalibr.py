@@ -9,25 +9,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from bayescal.cameras.lenses import Lens
-from bayescal.cameras.lenses.double_sphere import DoubleSphere
-from bayescal.cameras.lenses.eucm import Eucm
 from bayescal.report.cameras.camera import FittedCamera, filled, fisheye, is_fisheye, shortest
 
 NAME = "Kalibr camchain"
 COVARIANCE = False
+# Lenses whose shape is a part of the projection, by its name there.
+PROJECTIONS = {"eucm": "eucm", "double-sphere": "ds"}
 
 
 def holds(lens: Lens) -> bool:
     """Whether Kalibr has the lens: opencv4, a fisheye of four, eucm, double-sphere."""
-    return isinstance(lens, Eucm | DoubleSphere) or is_fisheye(lens) or shortest(lens) == 4
+    return lens.name in PROJECTIONS or is_fisheye(lens) or shortest(lens) == 4
 
 
 def text(camera: FittedCamera) -> str:
     """Write the file."""
     lens, shape = camera.lens, camera.coefficients.tolist()
     projection, before, distortion, k = "pinhole", [], "none", []
-    if isinstance(lens, Eucm | DoubleSphere):
-        projection, before = ("eucm" if isinstance(lens, Eucm) else "ds"), shape
+    if lens.name in PROJECTIONS:
+        projection, before = PROJECTIONS[lens.name], shape
     elif is_fisheye(lens):
         distortion, k = "equidistant", fisheye(camera)
     elif lens.names:
