@@ -7,6 +7,7 @@ import re
 import shutil
 import sys
 from collections.abc import Iterable, Iterator
+from functools import singledispatch
 from textwrap import fill
 
 from rich import box
@@ -70,42 +71,60 @@ def laid_out(blocks: Iterable[Block], width: int = WIDTH) -> Group:
     return Group(*(part for block in blocks for part in _parts(block, width)))
 
 
-def _parts(block: Block, width: int) -> Iterator[RenderableType]:
+@singledispatch
+def _parts(block: Block, width: int) -> Iterator[RenderableType]:  # noqa: ARG001 (of a page)
     """Lay one block out; blank lines around what stands apart are made one by `render`."""
-    if isinstance(block, Prose):
-        if block.lead:
-            yield Text("")
-        words = Text(f"{block.lead}: " if block.lead else "", style="bold")
-        words.append(block.text, style="not bold")
-        yield Padding(words, (0, 0, 0, 2))
-    elif isinstance(block, Listing) and block.role == "about":
+    yield from ()
+
+
+@_parts.register
+def _prose(block: Prose, _: int) -> Iterator[RenderableType]:
+    if block.lead:
+        yield Text("")
+    words = Text(f"{block.lead}: " if block.lead else "", style="bold")
+    words.append(block.text, style="not bold")
+    yield Padding(words, (0, 0, 0, 2))
+
+
+@_parts.register
+def _listing(block: Listing, _: int) -> Iterator[RenderableType]:
+    if block.role == "about":
         yield Text("\n".join(block.items))
-    elif isinstance(block, Listing):
+    else:
         yield from _indented(f"{BULLETS.get(block.role, '')}{item}" for item in block.items)
-    elif isinstance(block, Facts):
-        names = max((len(name) for name, _ in block.pairs), default=0) + 2
-        for name, value in block.pairs:
-            lead = f"  {name + ':':{names}}"
-            # What wraps stands below the value, not the margin.
-            wrapped = fill(
-                value,
-                width,
-                initial_indent=lead,
-                subsequent_indent=" " * len(lead),
-                break_on_hyphens=False,
-            )
-            yield Text(wrapped)
-    elif isinstance(block, Tabled):
-        if block.table.rows:
-            yield from (Text(""), tabled(block.table, block.flagged, width))
-        yield from _indented((*block.legend, *block.notes))
-    elif isinstance(block, Part):
-        yield from (
-            Text(""),
-            Text(block.title, style="bold"),
-            laid_out(block.blocks, width),
-            Text(""),
+
+
+@_parts.register
+def _facts(block: Facts, width: int) -> Iterator[RenderableType]:
+    names = max((len(name) for name, _ in block.pairs), default=0) + 2
+    for name, value in block.pairs:
+        lead = f"  {name + ':':{names}}"
+        # What wraps stands below the value, not the margin.
+        wrapped = fill(
+            value,
+            width,
+            initial_indent=lead,
+            subsequent_indent=" " * len(lead),
+            break_on_hyphens=False,
         )
+        yield Text(wrapped)
+
+
+@_parts.register
+def _table(block: Tabled, width: int) -> Iterator[RenderableType]:
+    if block.table.rows:
+        yield from (Text(""), tabled(block.table, block.flagged, width))
+    yield from _indented((*block.legend, *block.notes))
+
+
+@_parts.register
+def _part(block: Part, width: int) -> Iterator[RenderableType]:
+    yield from (
+        Text(""),
+        Text(block.title, style="bold"),
+        laid_out(block.blocks, width),
+        Text(""),
+    )
 
 
 def tabled(
