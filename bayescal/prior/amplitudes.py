@@ -156,9 +156,26 @@ class PriorRule:
                 "no prior is stated for this axis; add [prior.r] and [prior.c] to the setup file"
             )
         if self.tau is not None:
-            if self.name != "field":
+            if not self.scaled:
                 raise InputError(f"tau belongs to the field prior; the prior here is {self.name}")
             check_tau(self.tau)
+
+    @property
+    def proper(self) -> bool:
+        """Whether its priors integrate to 1, so that an evidence exists."""
+        return self.name != "flat"
+
+    @property
+    def scaled(self) -> bool:
+        """Whether tau is a part of it."""
+        return self.name == "field"
+
+    @property
+    def reach(self) -> int | None:
+        """Highest order of one regressor that it has a prior of; None: any."""
+        if self.name != "stated" or self.stated is None:
+            return None
+        return len(self.stated.mean) - 1
 
     @property
     def tau_bounds(self) -> tuple[float, float]:
@@ -185,7 +202,7 @@ class PriorRule:
         """
         size, order = len(degrees), degrees[-1]
         none = np.zeros(size, dtype=bool)
-        if self.name == "flat":
+        if not self.proper:
             return CoefficientPrior(
                 "flat", frozen(np.zeros(size)), frozen(np.full(size, np.inf)), none, self.size
             )

@@ -110,7 +110,7 @@ def _in_closed_form(
         groups_out = removals(groups.names, counts, grouped, order)
     return Defence(
         prediction,
-        tau_sensitivity(models) if axis.rule.name == "field" else None,
+        tau_sensitivity(models) if axis.rule.scaled else None,
         source,
         removals(names, sizes, without, order),
         groups_out,

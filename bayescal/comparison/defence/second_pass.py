@@ -64,7 +64,7 @@ def defend_many(
     integrals = {k: e.log_integral for k, e in exact.items()}
     return Defence(
         prediction,
-        tau_sensitivity(models) if axis.rule.name == "field" else None,
+        tau_sensitivity(models) if axis.rule.scaled else None,
         points_that_matter=left_out.matter,
         resampled=(bootstrap_of(resampling.drawn(rng, RESAMPLES), models, "point"),),
         beyond=beyond(axis.data, integrals, axis.noise, axis.rule),

@@ -69,8 +69,8 @@ def orders_beyond(
         At the highest of them; None where there is none.
     """
     limit = min(data.distinct, data.n) - 1
-    if rule.stated is not None and rule.name == "stated":
-        limit = min(limit, len(rule.stated.mean) - 1)
+    if rule.reach is not None:
+        limit = min(limit, rule.reach)
     more = range(highest + 1, min(highest + BEYOND, limit) + 1)
     while more:
         try:

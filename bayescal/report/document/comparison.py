@@ -191,7 +191,7 @@ def _points(axis: AxisComparison) -> list[dict[str, Any]] | None:
 def _prior(rule: PriorRule, order: int) -> dict[str, Any]:
     prior = rule.of_order(order)
     tau: dict[str, Any] | None = None
-    if rule.name == "field":
+    if rule.scaled:
         inferred = {"kind": "log-uniform", "bounds": list(rule.tau_bounds)}
         tau = inferred if rule.tau is None else {"kind": "fixed", "value": rule.tau}
     flat = not prior.proper

@@ -52,9 +52,9 @@ def floor_words(data: AxisData, level: NoiseLevel) -> str:
 
 def prior_words(rule: PriorRule) -> str:
     """Name a prior and its numbers."""
-    if rule.name == "flat":
+    if not rule.proper:
         return "flat; improper, so that there is no evidence and no probability of an order"
-    if rule.name == "stated":
+    if not rule.scaled:
         return "stated in the setup: a normal for each Legendre amplitude"
     half = f"{rule.size / 2:g}"
     low, high = rule.tau_bounds

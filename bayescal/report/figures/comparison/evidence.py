@@ -31,10 +31,8 @@ ROOM = 8.0  # nat shown below the winner's lowest
 
 def draw(subject: Subject) -> Figure:
     """Draw a curve per order, relative to the best of all, over a strip of who wins."""
-    axis = subject.axis
-    if axis.prior.name == "flat":
-        raise InputError("evidence is unavailable under a flat prior")
-    if axis.prior.name != "field":
+    axis = _with_evidence(subject)
+    if not axis.prior.scaled:
         return _without_tau(axis)
     found = _sensitivity(axis)
     figure = several_panels(WIDTH, 4.0)
@@ -57,6 +55,12 @@ def draw(subject: Subject) -> Figure:
     strip.set_xlabel(f"tau: prior sd of every order from 2 on, as a fraction of {size}")
     figure.legend(loc="outside right upper", ncols=1 + len(found.orders) // 16)
     return figure
+
+
+def _with_evidence(subject: Subject) -> AxisComparison:
+    if not subject.axis.prior.proper:
+        raise InputError("evidence is unavailable under a flat prior")
+    return subject.axis
 
 
 def _sensitivity(axis: AxisComparison) -> TauSensitivity:
@@ -122,10 +126,8 @@ def _evidences(axis: AxisComparison) -> dict[int, float]:
 
 def alt_text(subject: Subject) -> str:
     """Say which order wins at which tau."""
-    axis = subject.axis
-    if axis.prior.name == "flat":
-        raise InputError("evidence is unavailable under a flat prior")
-    if axis.prior.name != "field":
+    axis = _with_evidence(subject)
+    if not axis.prior.scaled:
         values = ", ".join(f"order {k} {value:.1f}" for k, value in _evidences(axis).items())
         return f"Log evidence of {axis.data.axis} less the highest, nat: {values}."
     wins = ", ".join(

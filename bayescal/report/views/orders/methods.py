@@ -91,9 +91,9 @@ def _models(comparison: Comparison, axes: Axes) -> Iterable[str]:
 
 
 def _prior(rule: PriorRule) -> str:
-    if rule.name == "flat":
+    if not rule.proper:
         return "The coefficients had a flat prior, under which models have no evidence."
-    if rule.name == "stated":
+    if not rule.scaled:
         return "The Legendre amplitudes of the polynomials had the normal priors of the setup file."
     low, high = rule.tau_bounds
     strength = (
