@@ -7,7 +7,7 @@ from typing import Any
 
 from bayescal.arrays import finite
 from bayescal.comparison.lenses.judging import plausible_others, widest
-from bayescal.comparison.lenses.off_point import BadPoint
+from bayescal.comparison.lenses.off_point import BadPoint, OffPoint
 from bayescal.comparison.lenses.prediction import PROBABILITY
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.lenses.verdict import TOLERANCE
@@ -33,8 +33,6 @@ def lenses_document(found: LensComparison, command: str, *, whole: bool = True) 
     whole : bool, optional
         With covariances, which take a while of many lenses.
     """
-    views, verdict, levels = found.views, found.verdict, found.setting.data.levels
-    others = plausible_others(found.lenses)
     return {
         "schema": SCHEMA,
         "provenance": found.origin or provenance(command, found.settings),
@@ -43,82 +41,102 @@ def lenses_document(found: LensComparison, command: str, *, whole: bool = True) 
             "lenses": None if found.request.lenses is None else list(found.request.lenses),
             **{name: getattr(found.settings, name) for name in ("sigma", "seed", "ess")},
         },
-        "data": {
-            "source": views.source,
-            "sha256": views.sha256,
-            "n_views": len(views),
-            "n_points": views.n_points,
-            "views": list(views.names),
-            "image": {
-                "width_px": int(found.setting.data.size[0]),
-                "height_px": int(found.setting.data.size[1]),
-            },
-            "target_diagonal": views.diagonal,
-        },
-        "report": views.heading.facts,
-        "noise": {
-            "kind": found.request.noise,
-            "bad_fraction": None if found.bad is None else found.bad.fraction,
-            "sigma_px": found.setting.level.sigma,
-            "view_levels": None if levels is None else levels.tolist(),
-            "independent": not (found.setting.grid.correlated or found.setting.grid.offsets),
-            "error_models": [
-                {**asdict(error), "length_target_units": error.length * views.diagonal, "weight": w}
-                for error, w in found.errors
-            ],
-        },
+        "data": _data(found),
+        "report": found.views.heading.facts,
+        "noise": _noise(found),
         "lenses": [_lens(judged, found, whole=whole) for judged in found.lenses],
         "impossible": list(found.impossible),
-        "posterior": {
-            "lens": found.best.name,
-            "converged": found.posterior.converged,
-            "acceptance": found.posterior.chain.acceptance,
-            "parameters": [
-                {"name": p.name, **summary_facts(p)} for p in found.posterior.parameters
-            ],
-            "covariance": covariance_facts(found),
-            "evidence": evidence_facts(found.posterior),
-            "log_evidence_laplace": found.problem.laplace.log_evidence,
-        },
+        "posterior": _posterior(found),
         "projection_sd_px": {
             "range": found.range,
             "places": [{**asdict(place), "pixel": list(place.pixel)} for place in found.places],
         },
         "gross_errors": [
-            {
-                "view": point.view,
-                "point": point.label,
-                "line": None if views.lines is None else views.lines[point.point],
-                "shift_px": list(point.shift),
-                "p_value": point.p_value,
-            }
-            for point in found.gross
+            {**_place(p, found.views), "shift_px": list(p.shift), "p_value": p.p_value}
+            for p in found.gross
         ],
-        "bad_points": None if found.bad is None else [_bad(p, views) for p in found.bad.points],
-        "verdict": {
-            "best": verdict.best,
-            "plausible": list(verdict.plausible),
-            "status": verdict.status,
-            "decided": verdict.decided,
-            "difference_inside_px": widest([j.inside for j in others]),
-            "difference_image_px": widest([j.difference for j in others]),
-            "difference_inside_at_most_px": verdict.worth,
-            "difference_image_at_most_px": verdict.beyond,
-            "difference_probability": PROBABILITY,
-            "tolerance_px": TOLERANCE,
-            "findings": findings_facts(verdict.findings),
-            "caveats": list(verdict.caveats),
-            "text": verdict.text,
-        },
+        "bad_points": None
+        if found.bad is None
+        else [_bad(point, found.views) for point in found.bad.points],
+        "verdict": _verdict(found),
         "notes": list(found.notes),
+    }
+
+
+def _data(found: LensComparison) -> dict[str, Any]:
+    views, (width, height) = found.views, found.setting.data.size
+    return {
+        "source": views.source,
+        "sha256": views.sha256,
+        "n_views": len(views),
+        "n_points": views.n_points,
+        "views": list(views.names),
+        "image": {"width_px": int(width), "height_px": int(height)},
+        "target_diagonal": views.diagonal,
+    }
+
+
+def _noise(found: LensComparison) -> dict[str, Any]:
+    setting, diagonal = found.setting, found.views.diagonal
+    levels = setting.data.levels
+    return {
+        "kind": found.request.noise,
+        "bad_fraction": None if found.bad is None else found.bad.fraction,
+        "sigma_px": setting.level.sigma,
+        "view_levels": None if levels is None else levels.tolist(),
+        "independent": not (setting.grid.correlated or setting.grid.offsets),
+        "error_models": [
+            {**asdict(error), "length_target_units": error.length * diagonal, "weight": weight}
+            for error, weight in found.errors
+        ],
+    }
+
+
+def _posterior(found: LensComparison) -> dict[str, Any]:
+    """Posterior of the most probable lens."""
+    posterior = found.posterior
+    return {
+        "lens": found.best.name,
+        "converged": posterior.converged,
+        "acceptance": posterior.chain.acceptance,
+        "parameters": [{"name": p.name, **summary_facts(p)} for p in posterior.parameters],
+        "covariance": covariance_facts(found),
+        "evidence": evidence_facts(posterior),
+        "log_evidence_laplace": found.problem.laplace.log_evidence,
+    }
+
+
+def _verdict(found: LensComparison) -> dict[str, Any]:
+    verdict, others = found.verdict, plausible_others(found.lenses)
+    return {
+        "best": verdict.best,
+        "plausible": list(verdict.plausible),
+        "status": verdict.status,
+        "decided": verdict.decided,
+        "difference_inside_px": widest([j.inside for j in others]),
+        "difference_image_px": widest([j.difference for j in others]),
+        "difference_inside_at_most_px": verdict.worth,
+        "difference_image_at_most_px": verdict.beyond,
+        "difference_probability": PROBABILITY,
+        "tolerance_px": TOLERANCE,
+        "findings": findings_facts(verdict.findings),
+        "caveats": list(verdict.caveats),
+        "text": verdict.text,
+    }
+
+
+def _place(point: OffPoint, views: Views) -> dict[str, Any]:
+    """Say which point of which view, and where in their file."""
+    return {
+        "view": point.view,
+        "point": point.label,
+        "line": None if views.lines is None else views.lines[point.point],
     }
 
 
 def _bad(point: BadPoint, views: Views) -> dict[str, Any]:
     return {
-        "view": point.view,
-        "point": point.label,
-        "line": None if views.lines is None else views.lines[point.point],
+        **_place(point, views),
         "shift_px": [finite(v) for v in point.shift],
         "probability": point.probability,
         "left_out": point.left_out,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from bayescal.arrays import finite
 from bayescal.comparison.criteria.information import CRITERIA
 from bayescal.comparison.results import AxisComparison, OrderResult
-from bayescal.inference.posterior import ParameterSummary
+from bayescal.inference.posterior import ParameterSummary, Posterior
 from bayescal.report.document.shared import covariance_facts, evidence_facts, summary_facts
 
 if TYPE_CHECKING:  # a comparison without a defence does not pay for it
@@ -37,30 +37,16 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         Of which it is one: differences are from its smallest criteria.
     """
     fit, good, found = result.fit, result.goodness, result.criteria
-    posterior, size = result.posterior, len(fit.coefficients)
-    gaussian = posterior.exact is not None
-    by_name = {p.name: p for p in result.posterior.parameters}
-    chain = result.posterior.chain
-    chains, draws, _ = chain.draws.shape
+    posterior = result.posterior
+    by_name = {p.name: p for p in posterior.parameters}
     best = {
         c.key: min((r.criteria.values.get(c.key) for r in axis.orders), key=_none_last)
         for c in CRITERIA
     }
     found_loo = axis.defence.prediction.get(result.order) if axis.defence is not None else None
-    coefficients = []
-    for j, summary in enumerate(result.posterior.parameters[:size]):
-        errors = fit.standard_errors
-        coefficients.append(
-            {
-                "name": summary.name,
-                "mle": float(fit.coefficients[j]) if gaussian else None,
-                "mle_se": None if errors is None or not gaussian else float(errors[j]),
-                **_summary(summary),
-            }
-        )
     return {
         "order": result.order,
-        "n_coefficients": size,
+        "n_coefficients": len(fit.coefficients),
         "n_parameters": found.n_parameters,
         "rss_px2": result.rss_px2,
         "sigma_hat_px": math.sqrt(result.rss_px2 / fit.dof) if fit.dof > 0 else None,
@@ -80,22 +66,43 @@ def order_document(result: OrderResult, axis: AxisComparison) -> dict[str, Any]:
         "probability": result.probability,
         **_prediction(found_loo),
         "exact_fit": fit.exact,
-        "coefficients": coefficients,
+        "coefficients": _coefficients(result),
         "sigma": _summary(by_name["sigma"]) if "sigma" in by_name else None,
         "scale": _summary(by_name["scale"]) if "scale" in by_name else None,
         "tau": _summary(by_name["tau"]) if "tau" in by_name else None,
         "noise_parameters": {n: _summary(by_name[n]) for n in axis.noise_model.parameters},
         "covariance": covariance_facts(result),
-        "sampling": {
-            "sampler": "emcee",
-            "walkers": chains,
-            "steps": draws,
-            "draws": chains * draws,
-            "acceptance": chain.acceptance,
-            "autocorrelation_time": finite(chain.autocorrelation_time),
-            "converged": result.posterior.converged,
-            "agrees_with_exact": posterior.agrees_with_exact,
-        },
+        "sampling": _sampling(posterior),
+    }
+
+
+def _coefficients(result: OrderResult) -> list[dict[str, Any]]:
+    """Summaries of the coefficients; of Gaussian noise the least squares beside them."""
+    fit, posterior = result.fit, result.posterior
+    gaussian, errors = posterior.exact is not None, fit.standard_errors
+    return [
+        {
+            "name": summary.name,
+            "mle": float(fit.coefficients[j]) if gaussian else None,
+            "mle_se": None if errors is None or not gaussian else float(errors[j]),
+            **_summary(summary),
+        }
+        for j, summary in enumerate(posterior.parameters[: len(fit.coefficients)])
+    ]
+
+
+def _sampling(posterior: Posterior) -> dict[str, Any]:
+    chain = posterior.chain
+    chains, draws, _ = chain.draws.shape
+    return {
+        "sampler": "emcee",
+        "walkers": chains,
+        "steps": draws,
+        "draws": chains * draws,
+        "acceptance": chain.acceptance,
+        "autocorrelation_time": finite(chain.autocorrelation_time),
+        "converged": posterior.converged,
+        "agrees_with_exact": posterior.agrees_with_exact,
     }
 
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from bayescal.comparison.outliers.records import PointRecord
 from bayescal.comparison.outliers.results import AxisOutliers, OutlierStudy
+from bayescal.comparison.outliers.shared_errors import SharedError
+from bayescal.comparison.outliers.treatments import Treatment
 from bayescal.report.document.shared import (
     by_order,
     findings_facts,
@@ -57,57 +60,61 @@ def _axis_document(axis: AxisOutliers) -> dict[str, Any]:
         "regressor": axis.data.regressor,
         "order": axis.order,
         "sigma": axis.level.source,
-        "points": [
-            {
-                "label": p.label,
-                "number": p.index + 1,
-                "measured_px": p.measured,
-                "predicted_px": p.predicted,
-                "predicted_sd_px": p.predicted_sd,
-                "residual_px": p.residual,
-                "standardised": p.standardised,
-                "leverage": p.leverage,
-                "cook": p.cook,
-                "rejected_at": list(p.rejected_at),
-                "bad_probability": p.bad_probability,
-                "weight": p.weight,
-                "order_without": p.order_without,
-                "log_bayes_factor_without": p.log_bayes_factor_without,
-            }
-            for p in axis.points
-        ],
+        "points": [_point(p) for p in axis.points],
         "findings": findings_facts(axis.findings),
         "explanations": list(axis.explanations),
-        "shared": [
-            {
-                "points": list(s.points),
-                "good": list(s.good),
-                "coordinates": s.coordinates,
-                "error_px": s.error,
-                "spread_px": s.spread,
-                "together": s.together,
-                "explained_by": s.explained_by,
-            }
-            for s in axis.shared
-        ],
-        "treatments": [
-            {
-                "name": t.name,
-                "noise": t.noise,
-                "n_points": t.n_points,
-                "log_evidence": by_order(t.log_evidence),
-                "log_evidence_error": {j.key.order: j.log_evidence_error for j in t.orders},
-                "probability": by_order(t.probability),
-                "order": t.order,
-                "log_evidence_all_orders": t.total if t.n_points == len(axis.data) else None,
-                "warnings": by_order(t.warnings),
-                "not_converged": [
-                    j.key.orders[0]
-                    for j in t.orders
-                    if j.posterior is not None and not j.posterior.converged
-                ],
-            }
-            for t in axis.treatments
-        ],
+        "shared": [_shared(s) for s in axis.shared],
+        "treatments": [_treatment(t, len(axis.data)) for t in axis.treatments],
         "verdict": axis.verdict,
+    }
+
+
+def _point(p: PointRecord) -> dict[str, Any]:
+    return {
+        "label": p.label,
+        "number": p.index + 1,
+        "measured_px": p.measured,
+        "predicted_px": p.predicted,
+        "predicted_sd_px": p.predicted_sd,
+        "residual_px": p.residual,
+        "standardised": p.standardised,
+        "leverage": p.leverage,
+        "cook": p.cook,
+        "rejected_at": list(p.rejected_at),
+        "bad_probability": p.bad_probability,
+        "weight": p.weight,
+        "order_without": p.order_without,
+        "log_bayes_factor_without": p.log_bayes_factor_without,
+    }
+
+
+def _shared(s: SharedError) -> dict[str, Any]:
+    return {
+        "points": list(s.points),
+        "good": list(s.good),
+        "coordinates": s.coordinates,
+        "error_px": s.error,
+        "spread_px": s.spread,
+        "together": s.together,
+        "explained_by": s.explained_by,
+    }
+
+
+def _treatment(t: Treatment, n: int) -> dict[str, Any]:
+    """Orders under one treatment of the points; evidences are comparable where it has all `n`."""
+    return {
+        "name": t.name,
+        "noise": t.noise,
+        "n_points": t.n_points,
+        "log_evidence": by_order(t.log_evidence),
+        "log_evidence_error": {j.key.order: j.log_evidence_error for j in t.orders},
+        "probability": by_order(t.probability),
+        "order": t.order,
+        "log_evidence_all_orders": t.total if t.n_points == n else None,
+        "warnings": by_order(t.warnings),
+        "not_converged": [
+            j.key.orders[0]
+            for j in t.orders
+            if j.posterior is not None and not j.posterior.converged
+        ],
     }
