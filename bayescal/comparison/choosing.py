@@ -12,7 +12,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.comparison.settings import Settings
 from bayescal.errors import InputError
-from bayescal.linear.effective_variance import with_effective_deviations, world_errors
+from bayescal.linear.errors.effective_variance import with_effective_deviations, world_errors
 from bayescal.linear.replicates import pure_error
 from bayescal.noise.gaussian import GAUSSIAN
 from bayescal.noise.level import NoiseLevel

@@ -10,7 +10,7 @@ import numpy as np
 from bayescal.arrays import Array
 from bayescal.comparison.finding import Finding, limits
 from bayescal.comparison.findings.case import Case
-from bayescal.linear.attenuation import attenuation
+from bayescal.linear.errors.attenuation import attenuation
 from bayescal.noise.world_errors import WorldErrors
 from bayescal.rounding import significant
 

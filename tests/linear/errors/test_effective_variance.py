@@ -10,9 +10,9 @@ from scipy.special import logsumexp
 import bayescal as bc
 from bayescal.comparison.choosing import noise_level, prior_rule
 from bayescal.comparison.settings import Settings
-from bayescal.linear.attenuation import attenuation, bent_by_errors
 from bayescal.linear.closed_form import exact_posterior
-from bayescal.linear.effective_variance import with_effective_deviations, world_errors
+from bayescal.linear.errors.attenuation import attenuation, bent_by_errors
+from bayescal.linear.errors.effective_variance import with_effective_deviations, world_errors
 from bayescal.linear.least_squares import factorise, solve
 from bayescal.linear.model import LinearModel
 from bayescal.linear.quadrature import clenshaw_curtis
