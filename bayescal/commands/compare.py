@@ -11,7 +11,6 @@ from bayescal.commands.shared.many import POSE, compared, say_many
 from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_output, deliver
 from bayescal.commands.shared.resume import resumable
-from bayescal.errors import InputError
 
 DESCRIPTION = "Compare polynomial orders of r(x/z) and c(y/z), each sampled with emcee."
 
@@ -39,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Compare, print and write; return the exit code."""
-    asked = families_of(options)
+    asked = families_of(options, "compare")
     if asked is not None:
         return _across_families(options, asked)
     check_output(options)
@@ -51,9 +50,6 @@ def run(options: argparse.Namespace) -> int:
 
 def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     """Compare families of joint models of r and c."""
-    if options.axis in ("r", "c"):
-        drop = f"drop --axis {options.axis}"
-        raise InputError(f"compare: families are joint models of r and c; {drop}")
     check_output(options)
     points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}

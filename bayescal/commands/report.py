@@ -73,11 +73,7 @@ def run(options: argparse.Namespace) -> int:
         check_browser(browser)
     if options.outliers and options.prior == "flat":
         raise InputError("--outliers compares evidences, which a flat prior does not have")
-    asked = families_of(options)
-    if asked is not None and options.axis in ("r", "c"):
-        raise InputError(
-            f"report: families are joint models of r and c; drop --axis {options.axis}"
-        )
+    asked = families_of(options, "report")
     heading = Heading(options.title, options.camera, options.serial, options.operator)
     page, lines, sound = _page(options, asked, heading)
     from bayescal.report.page.page import html

@@ -42,13 +42,13 @@ def add_families(parser: argparse.ArgumentParser, *, several: bool) -> None:
         )
 
 
-def families_of(options: argparse.Namespace) -> dict[str, Any] | None:
+def families_of(options: argparse.Namespace, command: str) -> dict[str, Any] | None:
     """Collect which families are asked for; None where none is.
 
     Raises
     ------
     InputError
-        Where an option of the pinhole is given, but no pinhole is compared.
+        Where an option of the pinhole is given, but no pinhole is compared; or one axis alone.
     """
     names = ("radial", "radial_orders")
     given = {name: v for name in names if (v := getattr(options, name, None)) is not None}
@@ -58,6 +58,9 @@ def families_of(options: argparse.Namespace) -> dict[str, Any] | None:
         raise InputError(f"{option} is of a pinhole: add --family pinhole, or leave it out")
     if options.family is None and options.position is None:
         return None
+    if options.axis not in (None, "both"):
+        drop = f"drop --axis {options.axis}"
+        raise InputError(f"{command}: families are joint models of r and c; {drop}")
     return {"families": families, "position": options.position, **given}
 
 
