@@ -131,8 +131,3 @@ class Camera:
 def to_camera(rotation: Array, translation: Array, world: Array) -> Array:
     """World points in the camera's frame, ``(..., n, 3)``: R X + t."""
     return world @ np.swapaxes(rotations(rotation), -1, -2) + translation[..., None, :]
-
-
-def to_world(rotation: Array, translation: Array, points: Array) -> Array:
-    """World points of points in the camera's frame, ``(..., n, 3)``: R' (p - t)."""
-    return np.asarray((points - translation[..., None, :]) @ rotations(rotation))
