@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.font_manager import findfont, get_font
+from matplotlib.transforms import Transform
 
 from bayescal.arrays import Array
 
@@ -91,48 +92,25 @@ def name_points(
     list of str
         The names written.
     """
-    figure = ax.get_figure(root=True)
-    assert figure is not None
-    scale = 72 / figure.dpi
-    drawn = np.flatnonzero(np.isfinite(y))
+    page = _Page.of(ax)
     places = np.full((len(x), 2), np.nan)
-    places[drawn] = ax.transData.transform(np.column_stack([x, y])[drawn]) * scale
-    zero = float(ax.transData.transform((0.0, 0.0))[1]) * scale
-    taken = []
-    for px, py in places[drawn].tolist():
-        low, high = (min(py, zero), max(py, zero)) if stems else (py, py)
-        taken.append(Box(px - MARKER, py - MARKER, px + MARKER, py + MARKER))
-        taken.append(Box(px - STROKE, low, px + STROKE, high))
+    drawn = np.isfinite(y)
+    places[drawn] = page.points(np.column_stack([x, y])[drawn])
+    zero = page.height(0.0)
+    taken = _marked(places[drawn], zero if stems else None)
     if curve is not None:
-        for px, py in (ax.transData.transform(curve) * scale).tolist():
-            taken.append(Box(px, py, px, py).grown(STROKE))
-    frame = ax.get_window_extent()
-    page = Box(*(float(v) * scale for v in (frame.x0, frame.y0, frame.x1, frame.y1)))
-    for line in lines:
-        height = float(ax.transData.transform((0.0, line))[1]) * scale
-        taken.append(Box(page.left, height - STROKE, page.right, height + STROKE))
+        taken += [Box(px, py, px, py).grown(STROKE) for px, py in page.points(curve).tolist()]
+    for height in map(page.height, lines):
+        taken.append(Box(page.frame.left, height - STROKE, page.frame.right, height + STROKE))
     written = []
     for point in named:
         if not np.isfinite(places[point]).all():
             continue
-        px, py = places[point].tolist()
-        near = [t for t in taken if t.distance(px, py) < REACH]
-        gaps = np.hypot(*(places[drawn[drawn != point]] - places[point]).T)
-        others = places[drawn[drawn != point]][gaps < REACH].tolist()
-
-        def cost(
-            box: Box,
-            px: float = px,
-            py: float = py,
-            near: list[Box] = near,
-            others: list[list[float]] = others,
-        ) -> float:
-            covered = sum(box.overlap(t) for t in near) + 10 * box.outside(page)
-            own = box.distance(px, py)
-            return covered + AMBIGUOUS * any(box.distance(*other) < own for other in others)
-
         name = str(point + 1) if names is None else names[point]
-        box = min(_candidates(px, py, len(name), upwards=py >= zero or not stems), key=cost)
+        px, py = places[point].tolist()
+        cost = _Cost.at(point, places, taken, page.frame)
+        upwards = py >= zero or not stems
+        box = min(_candidates(px, py, len(name), upwards=upwards), key=cost.of)
         taken.append(box.grown(APART))
         written.append(name)
         middle = np.array([box.left + box.right, box.bottom + box.top]) / 2
@@ -148,6 +126,64 @@ def name_points(
         )
         note.set_in_layout(False)
     return written
+
+
+@dataclass(frozen=True, eq=False)
+class _Page:
+    """Where the axes stand on the page, pt."""
+
+    transform: Transform
+    scale: float
+    frame: Box
+
+    @classmethod
+    def of(cls, ax: Axes) -> _Page:
+        figure = ax.get_figure(root=True)
+        assert figure is not None, "axes are drawn on a figure"
+        scale, frame = 72 / figure.dpi, ax.get_window_extent()
+        edges = (float(v) * scale for v in (frame.x0, frame.y0, frame.x1, frame.y1))
+        return cls(ax.transData, scale, Box(*edges))
+
+    def points(self, places: Array) -> Array:
+        """Places of the axes' units on the page, ``(n, 2)``."""
+        return np.asarray(self.transform.transform(places)) * self.scale
+
+    def height(self, y: float) -> float:
+        return float(self.transform.transform((0.0, y))[1]) * self.scale
+
+
+def _marked(places: Array, zero: float | None) -> list[Box]:
+    """Give what markers cover, and the lines that go to them from zero, where they do."""
+    taken = []
+    for px, py in places.tolist():
+        low, high = (py, py) if zero is None else (min(py, zero), max(py, zero))
+        taken.append(Box(px - MARKER, py - MARKER, px + MARKER, py + MARKER))
+        taken.append(Box(px - STROKE, low, px + STROKE, high))
+    return taken
+
+
+@dataclass(frozen=True, eq=False)
+class _Cost:
+    """How bad a place is for the name of a point: what it covers, and whose it seems to be."""
+
+    place: tuple[float, float]
+    near: list[Box]
+    others: list[list[float]]
+    frame: Box
+
+    @classmethod
+    def at(cls, point: int, places: Array, taken: list[Box], frame: Box) -> _Cost:
+        """Look around a point at what is within reach."""
+        px, py = places[point].tolist()
+        others = np.delete(places, point, axis=0)
+        gaps = np.hypot(*(others - places[point]).T)  # NaN of what is not drawn
+        near = [box for box in taken if box.distance(px, py) < REACH]
+        return cls((px, py), near, others[gaps < REACH].tolist(), frame)
+
+    def of(self, box: Box) -> float:
+        covered = sum(box.overlap(other) for other in self.near) + 10 * box.outside(self.frame)
+        own = box.distance(*self.place)
+        return covered + AMBIGUOUS * any(box.distance(*other) < own for other in self.others)
 
 
 def printable_names(labels: Sequence[str]) -> tuple[str, ...]:
