@@ -132,7 +132,8 @@ def weighed(
     with np.errstate(over="ignore", invalid="ignore"):
         shares = np.exp(np.stack([log_weights[:few], before]) - found.log_evidence)
         lacking = shares[0] - shares[1]
-    if not np.sqrt(np.mean(lacking**2)) <= NEAR_SHARE:
+        far = not np.sqrt(np.mean(lacking**2)) <= NEAR_SHARE  # of what overflowed, too
+    if far:
         log_weights[few:] = problem.log_prob(draws[few:]) - log_q[few:]
         return from_weights(log_weights), draws, log_weights
     error = math.hypot(found.error, float(lacking.std(ddof=1)) / math.sqrt(few))

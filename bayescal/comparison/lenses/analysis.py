@@ -25,7 +25,7 @@ from bayescal.comparison.lenses.caveats.listed import lens_findings
 from bayescal.comparison.lenses.fitted import judged_lens, with_bad
 from bayescal.comparison.lenses.gross_errors import gross_errors
 from bayescal.comparison.lenses.judging import judge_lenses, plausible_others
-from bayescal.comparison.lenses.left_out import halves, leave_views_out
+from bayescal.comparison.lenses.left_out import Split, halves, leave_views_out
 from bayescal.comparison.lenses.off_point import GrossError
 from bayescal.comparison.lenses.places import places
 from bayescal.comparison.lenses.prediction import (
@@ -271,11 +271,11 @@ def _drawn(
         guess = Guess(mixture, modes[:1])  # the others are of other strengths, not apart
         return sample_model(model, for_chains, settings.ess, guess, request.draws)
 
-    def average() -> tuple[Array, Array, tuple[Array, ...]]:
+    def average() -> tuple[Array, Array, tuple[Split, ...]]:
         averaged = ErrorAverage(best.evidence, setting)
         draws = averaged.draws(for_draws, request.draws)
         return draws, averaged.covariance(), halves(problem)
 
     posterior = store.posterior(key, model, sample)
-    kind = tuple[Array, Array, tuple[Array, ...]]
+    kind = tuple[Array, Array, tuple[Split, ...]]
     return Drawn(posterior, *store.once_of(key)("errors averaged", kind, average))

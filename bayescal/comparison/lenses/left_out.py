@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from bayescal.arrays import Array, IntArray
@@ -90,13 +92,34 @@ def refitted(
     return found, rest
 
 
-def halves(problem: Problem) -> tuple[Array, ...]:
-    """Coordinates of the lens fitted to every second view and to the others, if six or more."""
-    n = problem.data.n_views
-    if n < 6:
+@dataclass(frozen=True, eq=False)
+class Split:
+    """A lens fitted to either half of the views.
+
+    Attributes
+    ----------
+    apart : Array
+        Coordinates of the one fit less those of the other, ``(dimension,)``.
+    covariance : Array
+        What noise lets that be: both posteriors', ``(dimension, dimension)``.
+    """
+
+    apart: Array
+    covariance: Array
+
+
+def halves(problem: Problem) -> tuple[Split, ...]:
+    """Split six or more views: every second and the others; the first half and the rest."""
+    views = np.arange(problem.data.n_views)
+    if len(views) < 6:
         return ()
     prior = problem.likely_strengths
-    return tuple(refitted(problem, np.arange(first, n, 2), prior)[0].x for first in (0, 1))
+    splits = []
+    for one in (views % 2 == 0, views < len(views) // 2):
+        fits = [refitted(problem, views[half], prior) for half in (one, ~one)]
+        (first, own), (second, other) = fits
+        splits.append(Split(first.x - second.x, own.covariance + other.covariance))
+    return tuple(splits)
 
 
 def jackknife(lenses: Array) -> Array:

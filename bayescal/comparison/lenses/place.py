@@ -15,8 +15,8 @@ class Place:
         Standard deviation, root mean square of r and c, of a point at infinity and of one at the
         target's distance; None where the lens sees nothing there.
     jackknife, halves : float or None
-        The same at infinity from the spread over views: each left out in turn, and the distance
-        of the fits to two halves of the views over the square root of 2.
+        The same at infinity from the spread over views: each left out in turn, and by how much
+        more than their own posteriors allow the fits to two halves of the views lie apart.
     """
 
     name: str

@@ -9,7 +9,7 @@ import numpy as np
 
 from bayescal.arrays import Array, finite
 from bayescal.calibration.model.observations import Observations
-from bayescal.comparison.lenses.left_out import jackknife
+from bayescal.comparison.lenses.left_out import Split, jackknife
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import (
     deviation,
@@ -43,7 +43,7 @@ def places(
     lenses: Sequence[JudgedLens],
     data: Observations,
     covariance: Array,
-    halves: tuple[Array, ...],
+    halves: tuple[Split, ...],
 ) -> tuple[Place, ...]:
     """Uncertainty at the named places.
 
@@ -54,8 +54,8 @@ def places(
         otherwise.
     covariance : Array
         Of the best lens's coordinates, the error models averaged.
-    halves : tuple of Array
-        Coordinates of the best lens fitted to two halves of the views, where there are such.
+    halves : tuple of Split
+        The best lens fitted to two halves of the views, where there are such.
     """
     names, pixels = zip(*named_places(data.size), strict=True)
     at, sample = np.array(pixels), observed_sample(data)
@@ -69,9 +69,13 @@ def places(
     if best.without is not None:
         jack = deviation(far, jackknife(best.without))
     if halves:
-        apart = np.einsum("nai,i->na", far, halves[0] - halves[1])
-        # Half the views have twice the variance, and a difference of two of them four times.
-        half = np.sqrt((apart**2).mean(axis=1)) / 2
+        # Halves are rarely equal: each split is in units of its own deviation.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            squares = [
+                ((far @ split.apart) ** 2).mean(axis=1) / deviation(far, split.covariance) ** 2
+                for split in halves
+            ]
+        half = deviation(far, covariance) * np.sqrt(np.mean(squares, axis=0))
     columns = zip(names, pixels, *spreads, jack, half, strict=True)
     return tuple(Place(name, at, *map(finite, values)) for name, at, *values in columns)
 

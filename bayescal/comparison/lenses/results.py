@@ -23,6 +23,7 @@ from bayescal.comparison.judged import Judged
 from bayescal.comparison.lenses.bad.mixture import Mixed
 from bayescal.comparison.lenses.bad.points import Bad
 from bayescal.comparison.lenses.candidates import Candidate, LensKey
+from bayescal.comparison.lenses.left_out import Split
 from bayescal.comparison.lenses.off_point import GrossError
 from bayescal.comparison.lenses.place import Place
 from bayescal.comparison.lenses.prediction import View
@@ -137,15 +138,15 @@ class Drawn:
         Coordinates of the lens with the error models averaged, ``(n_draws, dimension)``.
     covariance : Array
         Of the same, by linear algebra, ``(dimension, dimension)``.
-    halves : tuple of Array
-        Coordinates of the lens fitted to every second view and to the others, ``(dimension,)``
-        each; empty where there are too few views.
+    halves : tuple of Split
+        The lens fitted to every second view and to the others, and to the views up to the middle
+        and after it; empty where there are too few.
     """
 
     posterior: SampledPosterior
     draws: Array
     covariance: Array
-    halves: tuple[Array, ...]
+    halves: tuple[Split, ...]
 
 
 @dataclass(frozen=True, eq=False)

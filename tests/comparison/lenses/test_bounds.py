@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -57,13 +58,32 @@ def test_what_another_bound_would_do_is_what_it_does(
     assert "tau-bound" not in said(again)
 
 
-def test_a_strength_at_its_bound_is_said_and_a_strong_one_is_not(
-    lens_comparison: LensComparison,
-) -> None:
-    text, withholds = said(found(-0.002, 0.05, "pinhole", "radial 1"))["tau-bound"]
+def test_a_bound_that_lowers_the_evidence_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Truth: the evidence under the other bound, by its own importance draws."""
+    result = found(-0.0007, 0.01, "pinhole", "radial 1")
+    text, withholds = said(result)["tau-bound"]
+    assert result.best.name == "radial 1"
     assert not withholds
-    assert "tau (radial) lies at its lower bound, 0.64 px" in text
-    assert "tau-bound" not in said(lens_comparison)
+    lift = re.search(
+        r"radial 1: tau \(radial\) lies at its lower bound, 0.64 px; were that 0.010 px, the "
+        r"evidence would be (\d\.\d) nat higher",
+        text,
+    )
+    assert lift
+    monkeypatch.setattr(lens_model, "WIDE", (LOWEST / boards.SIZE[0], 0.5))
+    again = found(-0.0007, 0.01, "radial 1").best
+    error = math.hypot(result.best.log_evidence_error, again.log_evidence_error)
+    gain = again.log_evidence - result.best.log_evidence
+    assert float(lift[1]) == pytest.approx(gain, abs=0.05 + 4 * error + 0.1)
+
+
+@pytest.mark.parametrize("k1", [-0.28, -0.004])
+def test_a_strength_whose_bound_costs_nothing_is_no_caveat(k1: float) -> None:
+    """Negative control: at -0.004 some mass lies at the bound, and a lower one would cost more."""
+    result = found(k1, 0.05, "radial 1")
+    (group,) = [g for g in result.best.evidence.problem.model.groups if g.name == "radial"]
+    assert (result.drawn.posterior.at_bounds("tau radial", group.bounds)[0] > PILE) == (k1 > -0.1)
+    assert "tau-bound" not in said(result)
 
 
 def test_a_flat_target_is_no_caveat() -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 import numpy as np
 
 from bayescal.arrays import Array
@@ -16,6 +19,8 @@ from bayescal.rounding import significant
 
 LOWEST = 0.01  # px: where tau of a polynomial begins
 NEAR = 10.0  # nat: lenses that lower bounds could lift over the best one
+MATTERS = 0.5  # nat: what a bound takes from the evidence that is worth a caveat
+BEYOND = 2.0  # times: to where an upper bound is moved
 DRAWS = 1000  # of a lens's Laplace approximation
 
 
@@ -46,45 +51,53 @@ def tau_bound(basis: Evidenced) -> Finding | None:
             f"{lifted.name} would win over {basis.best.name}: tau's lower bound chooses",
             f"tau's lower bound chooses between it and {lifted.name}",
         )
-    said = [text for group in basis.problem.model.groups if (text := _piled(basis, group))]
-    if not said:
-        return None
-    return limits("tau-bound", f"{basis.best.name}: {'; '.join(said)}; its evidence is understated")
+    said = [text for group in basis.problem.model.groups if (text := _bounded(basis.best, group))]
+    return limits("tau-bound", f"{basis.best.name}: {'; '.join(said)}") if said else None
 
 
-def _piled(basis: Evidenced, group: Group) -> str:
-    masses = basis.posterior.at_bounds(f"tau {group.name}", group.bounds)
-    sides = zip(("lower", "upper"), ("smaller", "larger"), group.bounds, masses, strict=True)
+def _bounded(judged: JudgedLens, group: Group) -> str:
+    """Say where a bound of a strength lowers the evidence; a flat target serves any lens."""
+    low, high = group.bounds
     bow = group.name == "bow"
-    for side, size, bound, mass in sides:
-        if mass > PILE and not (bow and side == "lower"):  # a flat target is as good for any lens
-            unit = "diagonals" if bow else "px"
+    unit = "diagonals" if bow else "px"
+    moved = [("upper", high, (low, BEYOND * high))]
+    if not bow and LOWEST / group.unit < low:
+        moved.append(("lower", low, (LOWEST / group.unit, high)))
+    for side, bound, wider in moved:
+        if (gain := _rise(judged, {group: wider})) > MATTERS:
+            other = wider[0] if side == "lower" else wider[1]
             return (
-                f"{100 * mass:.0f}% of the posterior of tau ({group.name}) lies at its {side} "
-                f"bound, {significant(bound * group.unit)} {unit}: that part is {size} than its "
-                "prior expects"
+                f"tau ({group.name}) lies at its {side} bound, {significant(bound * group.unit)} "
+                f"{unit}; were that {significant(other * group.unit)} {unit}, the evidence would "
+                f"be {gain:.1f} nat higher"
             )
     return ""
 
 
 def lift(judged: JudgedLens) -> float:
-    """By how much a lens's log evidence rises where tau begins at `LOWEST`, nat.
+    """By how much a lens's log evidence rises where tau begins at `LOWEST`, nat."""
+    groups = [g for g in judged.evidence.problem.model.groups if g.name != "bow"]
+    lowest = {g: LOWEST / g.unit for g in groups}
+    return _rise(judged, {g: (b, g.bounds[1]) for g, b in lowest.items() if b < g.bounds[0]})
+
+
+def _rise(judged: JudgedLens, bounds: Mapping[Group, tuple[float, float]]) -> float:
+    """By how much a lens's log evidence rises under other bounds of strengths, nat.
 
     The mean of the priors' ratio over the posterior: the ratio of the evidences is that.
     """
-    problem: Problem = judged.evidence.problem
-    groups = [g for g in problem.model.groups if g.name != "bow" and LOWEST / g.unit < g.bounds[0]]
-    if not groups:
+    if not bounds:
         return 0.0
+    problem: Problem = judged.evidence.problem
     rng = np.random.default_rng(0)  # always the same steps: they cancel between like lenses
-    steps = rng.standard_normal((DRAWS, problem.model.dimension)) @ problem.spread.T
-    return float(np.log(np.mean(np.exp(sum(_ratio(g, problem.x + steps) for g in groups)))))
+    draws = problem.x + rng.standard_normal((DRAWS, problem.model.dimension)) @ problem.spread.T
+    ratio = sum(_ratio(group, draws, other) for group, other in bounds.items())
+    return float(np.logaddexp.reduce(ratio)) - math.log(DRAWS)
 
 
-def _ratio(group: Group, x: Array) -> Array:
-    """Log of the prior density with tau from `LOWEST` over that as it is, ``(n_draws,)``."""
+def _ratio(group: Group, x: Array, bounds: tuple[float, float]) -> Array:
+    """Log of the prior density under other bounds over that as it is, ``(n_draws,)``."""
     q = ((x[:, list(group.columns)] / group.unit) ** 2).sum(axis=1)
-    low, high = np.log(group.bounds)
-    lower = float(np.log(LOWEST / group.unit))
-    wide, own = (Strength((float(b), float(high)), len(group.columns)) for b in (lower, low))
-    return wide.log_density(q) - own.log_density(q)
+    low, high = np.log([bounds, group.bounds]).T
+    other, own = (Strength(b, len(group.columns)) for b in zip(low, high, strict=True))
+    return other.log_density(q) - own.log_density(q)

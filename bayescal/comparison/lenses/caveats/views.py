@@ -11,6 +11,8 @@ from scipy.special import stdtr
 from bayescal.calibration.judging.laplace import degrees
 from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import BECAUSE, GRAVE
+from bayescal.comparison.lenses.places import named_places
+from bayescal.comparison.lenses.prediction import observed_sample, response
 from bayescal.comparison.lenses.results import Evidenced
 from bayescal.comparison.orders.weak import PART
 from bayescal.rounding import counted, significant
@@ -22,12 +24,15 @@ CELLS = (4, 3)
 NOTICEABLE = 0.05  # px
 PARALLEL = 8.0  # degrees that normals of planes should differ by at least
 WIDER = 1.5  # times: where the spread over views is to be quoted
-DRIFT = 2.5
 OPEN = 0.1  # of the prior's deviation: a posterior so wide along some combination is said
 WORDS = {  # coordinates of the intrinsics
     "f": "focal length", "fx": "focal length", "fy": "aspect ratio",
     "cx": "principal point", "cy": "principal point",
 }  # fmt: skip
+HALVES = (  # as `left_out.halves` makes them, and what a difference between them says
+    ("every second view and the others", "views err together in a way that the error model lacks"),
+    ("the first half of the views and the rest", "the camera may have moved or changed"),
+)
 COVERED = 0.85  # of the radius of the image's corners
 
 
@@ -133,20 +138,31 @@ def by_place(basis: Evidenced) -> Finding | None:
 
 
 def drift(basis: Evidenced) -> Finding | None:
-    """Two halves of the views that disagree."""
-    ratios = [
-        (p.halves / p.infinity, p) for p in basis.places if p.halves is not None and p.infinity
-    ]
-    if not ratios:
+    """Two halves of the views that disagree, at some place of the image.
+
+    Chi-squared of what lies between their predictions there by both posteriors, p-values times
+    their number.
+    """
+    view, data, splits = basis.best.view, basis.setting.data, basis.drawn.halves
+    names, pixels = zip(*named_places(data.size), strict=True)
+    maps = response(view, np.array(pixels), observed_sample(data), None)
+    number, called = len(splits) * len(names), []
+    for split, why in zip(splits, HALVES, strict=False):
+        for name, by_lens in zip(names, maps, strict=True):
+            if np.isfinite(by_lens).all():
+                apart = by_lens @ split.apart
+                noise = np.linalg.pinv(by_lens @ split.covariance @ by_lens.T, hermitian=True)
+                chance = number * math.exp(-float(apart @ noise @ apart) / 2)
+                if chance < GRAVE:
+                    called.append((math.hypot(*apart), chance, name, why))
+    if not called:
         return None
-    ratio, place = max(ratios, key=lambda pair: pair[0])
-    if ratio < DRIFT or place.halves is None:
-        return None
+    why = min(called, key=lambda one: one[1])[3]
+    size, chance, name, (which, cause) = max(one for one in called if one[3] == why)
     return limits(
         "drift",
-        f"two halves of the views disagree by {significant(2 * place.halves)} px at the "
-        f"{place.name}, {ratio:.1f} times what the posterior allows: the camera may have moved or "
-        "changed",
+        f"{which} disagree by {significant(size)} px at the {name}, more than noise allows (p = "
+        f"{chance:.2g} after Bonferroni over {number}): {cause}",
     )
 
 
