@@ -122,3 +122,24 @@ def test_coplanar_points_serve_where_the_position_is_held():
     geometry, prior, data = problem(plane, 1, fixed=True, levels=levels)
     fit = fit_pinhole(plane, geometry, prior, data)
     assert fit.rss.max() < 1e-12
+
+
+@pytest.mark.parametrize("seed", [22, 24])
+@pytest.mark.parametrize("followed", ["r", "c"])
+def test_whichever_axis_a_climb_follows_first_ends_no_higher(seed, followed):
+    """scipy, the axes weighed in turn, from a fit that follows one axis at the other's cost."""
+    rng = np.random.default_rng([0, seed])
+    camera = {"r": [960.0, 1250.0, 40.0, -90.0], "c": [540.0, 1270.0]}
+    points, _ = simulate({}, 1.0, rng, coefficients=camera)
+    geometry, prior, data = problem(points, 1, fixed=True)
+    fit = fit_pinhole(points, geometry, prior, data)
+
+    def misfit(free, sigma):
+        return ((data.pixels - geometry.project(geometry.full(free[None]))[0][0]).T / sigma).ravel()
+
+    free, sigma = fit.free, np.array([0.1, 10.0] if followed == "r" else [10.0, 0.1])
+    for _ in range(60):
+        free = least_squares(misfit, free, x_scale="jac", args=(sigma,)).x
+        rss = (misfit(free, np.ones(2)).reshape(-1, 2) ** 2).sum(axis=0)
+        sigma = np.sqrt(rss / 57)
+    assert fit.log_likelihood > data.log_likelihood(rss) - 1e-9
