@@ -18,11 +18,16 @@ if TYPE_CHECKING:
 
 AHEAD = 256  # tasks that a scheduler holds at least; more come as these are done
 # What a worker need not do of its own: take samples of its own stack every hundredth of a second,
-# and look at its clock every fiftieth. It is a tenth of a core.
+# and look at its clock every fiftieth. It is a tenth of a core. Nor give all memory that it frees
+# back to the system at once, as Dask tells malloc: each array of 128 kB and more would be mapped,
+# zeroed and unmapped, which took as long as all that was computed.
 QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "5s",
+    "distributed.nanny.pre-spawn-environ": dict.fromkeys(
+        ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"), 1
+    ),
 }
 PATIENCE = 30  # seconds that a scheduler and its first worker have to answer
 
