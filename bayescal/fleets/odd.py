@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+from scipy.special import ndtri, stdtrit
 
 from bayescal.arrays import Array
 from bayescal.fleets.record import LENS, Choice, Estimate, Record
@@ -153,7 +153,7 @@ def score_limit(found: Sequence[Spread]) -> float:
     if not count:
         return math.inf
     fewest = min(len(s.values) for s in found if s.scale is not None)
-    return float(stats.t.isf(LEVEL / 2 / (2 * count), FREEDOM * (fewest - 1)))
+    return -float(stdtrit(FREEDOM * (fewest - 1), LEVEL / 2 / (2 * count)))
 
 
 def oddities(records: Mapping[str, Record], found: Sequence[Spread]) -> tuple[Oddity, ...]:
@@ -193,7 +193,7 @@ def _excluded(camera: str, choice: Choice, common: str, level: float) -> Oddity 
     chance = choice.probability.get(common, 0.0)
     if chance >= level:
         return None
-    score = min(float(stats.norm.isf(max(chance, 1e-300) / 2)), FAR)
+    score = min(-float(ndtri(max(chance, 1e-300) / 2)), FAR)
     kind = "" if choice.of == LENS else "order "
     text = f"{choice.of}: {kind}{choice.model}; {kind}{common}, the fleet's, has {percent(chance)}"
     return Oddity(camera, choice.of, "model", score, text)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from bayescal.calibration.judging.laplace import degrees
-from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.comparison.results import AxisComparison, Comparison, OrderResult
+
+if TYPE_CHECKING:  # a fleet of points does not pay for lenses
+    from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 
 LENS = "lens"
 DRAWS = 4000  # of the normals about a lens's modes
@@ -161,6 +162,8 @@ def _summary(found: OrderResult) -> dict[str, Estimate]:
 
 def _lens(found: LensComparison) -> Choice:
     """Keep lenses as their most probable error model has them, and sigma as the RMS tells it."""
+    from bayescal.calibration.judging.laplace import degrees
+
     best, data, verdict = found.best, found.setting.data, found.verdict
     parameters = {lens.name: _estimates(lens, data.diagonal) for lens in found.lenses}
     dof = degrees(data) - best.model.dimension
