@@ -10,6 +10,9 @@ from typing import Any
 from bayescal.fleets.odd import SIGMA, Oddity, Spread
 from bayescal.fleets.record import LENS, Choice, Member
 
+# Ends of the names of columns of words; of those that are empty all through, the rest are numbers.
+WORDS = ("error", "odd", "outcome")
+
 
 def columns(
     members: Sequence[Member],
@@ -72,7 +75,11 @@ def parquet_bytes(table: Mapping[str, list[Any]], told: Mapping[str, Any]) -> by
     import pyarrow as pa
     from pyarrow import parquet
 
-    made = pa.table(dict(table))
+    arrays = {name: pa.array(values) for name, values in table.items()}
+    for name, array in arrays.items():
+        if pa.types.is_null(array.type):  # whether any camera has one does not change its type
+            arrays[name] = array.cast(pa.string() if name.endswith(WORDS) else pa.float64())
+    made = pa.table(arrays)
     made = made.replace_schema_metadata({k: json.dumps(v) for k, v in told.items()})
     stream = io.BytesIO()
     parquet.write_table(made, stream)

@@ -6,6 +6,7 @@ import json
 import signal
 import sys
 import time
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from bayescal.fleets.closed_forms import ClosedForms
 from bayescal.fleets.journal import NAME, Journal, locked
 from bayescal.fleets.judging import digest_of, seed_of
 from bayescal.fleets.record import Record
+from bayescal.fleets.table import parquet_bytes
 from tests.fleets.conftest import OPTIONS
 from tests.helpers.command import here
 
@@ -221,3 +223,10 @@ def test_a_killed_workers_tasks_are_done_again(cluster, cameras, alone, tmp_path
         while len(client.nthreads()) > 1 and time.monotonic() < until:
             time.sleep(0.05)
         assert len(client.nthreads()) == 1
+
+
+def test_the_tables_types_do_not_depend_on_what_is_empty():
+    empty = {"error": [None], "r_outcome": [None], "r_sigma_score": [None]}
+    full = {"error": ["no"], "r_outcome": ["decided"], "r_sigma_score": [1.0]}
+    kept = [parquet.read_schema(BytesIO(parquet_bytes(each, {}))) for each in (empty, full)]
+    assert kept[0].equals(kept[1])
