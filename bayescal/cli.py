@@ -19,18 +19,18 @@ from bayescal.version import __version__
 # A command is a module in commands/ of its name, imported where it is asked for.
 COMMANDS = {
     "calibrate": "compare lens models over many views of a target",
-    "changed": "is the camera still the same?",
-    "compare": "compare polynomial orders",
+    "changed": "compare two calibrations: is it still the same camera?",
+    "compare": "compare polynomial orders, or families of camera models",
     "detect": "find a target's points in photographs (needs OpenCV)",
     "fit": "fit one model and print it in full",
     "fleet": "judge many cameras, and say which are odd (needs Dask)",
-    "locate": "what do these pixels look at?",
-    "map": "where in the image can the calibration be believed?",
+    "locate": "find what pixels look at: directions, points, distances, a target's pose",
+    "map": "map the uncertainty over the image",
     "outliers": "find bad points, and whether the order depends on them",
-    "plot": "one figure of a comparison",
-    "predict": "where do these points appear in the image?",
-    "report": "one page to attach to a calibration (HTML, PDF)",
-    "reproduce": "the thesis's own procedure, as written and as coded",
+    "plot": "draw one figure",
+    "predict": "predict where points appear in the image",
+    "report": "write one page to attach to a calibration (HTML, PDF)",
+    "reproduce": "run the thesis's own procedure, as written and as coded",
     "simulate": "make points from a known truth",
     "undistort": "take the distortion out of photographs, or of pixels",
 }
@@ -125,10 +125,12 @@ def make_parser(names: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
     """Make the parser, with the arguments of some commands, by default of all."""
     parser = _Parser(
         prog="bayescal",
-        description="Bayesian uncertainty analysis for camera calibration: "
-        "compares polynomial orders of the world-to-pixel map, so that the choice can be defended.",
-        epilog="exit codes: 0 done; 2 bad usage or input, nothing written; 3 done, but the draws "
-        "did not converge or disagree with the closed form, or an evidence should not be trusted",
+        description="Bayesian uncertainty analysis for camera calibration: which polynomial order "
+        "or lens model your points support, how strongly, and where in the image the calibrated "
+        "camera can be believed.",
+        epilog="COMMAND --help shows its options, with defaults in parentheses. Exit codes: 0 "
+        "done; 2 bad usage or input, nothing written; 3 done, but the draws did not converge or "
+        "disagree with the closed form, or an evidence should not be trusted; 130 interrupted.",
     )
     parser.add_argument("--version", action="version", version=f"bayescal {__version__}")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)

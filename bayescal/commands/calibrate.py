@@ -46,8 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=NOISES[0],
     )
     run = parser.add_argument_group("run")
-    option(run, "--seed N", "of all randomness (0)", int, default=0)
-    option(run, "--ess N", "effective samples wanted (400)", int, default=400)
+    option(run, "--seed N", "seed of the random numbers (0)", int, default=0)
+    option(run, "--ess N", "effective samples wanted of each parameter (400)", int, default=400)
     add_output(parser, "write a run: result.json, views, draws (NetCDF), the camera")
     option(parser, "--report FILE.html", "write the page that report RUN writes")
     camera = parser.add_argument_group("camera")

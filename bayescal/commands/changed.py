@@ -23,7 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for name in ("first", "second"):
         option(parser, f"{name} RUN", f"the {name} run, or camera file")
     add_average(parser)
-    option(parser, "--seed N", "of all randomness (0)", int, default=0)
+    option(parser, "--seed N", "seed of the random numbers (0)", int, default=0)
     output = add_output(parser)
     option(output, "--figure FILE", "draw the map: .png, .svg or .pdf")
 

@@ -63,9 +63,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     option(
         parser,
         "--columns x=E,y=N,...",
-        "names or numbers of the tables' columns where they can't be guessed",
+        "the tables' columns by name or number (from 1), where their names can't be guessed",
     )
-    option(parser, "--view NAME", "which view to take of files of several")
+    option(parser, "--view NAME", "the photograph to take, where files hold several")
     shared.add_setup(parser)
     shared.add_model(parser)
     views = parser.add_argument_group("views of a target")

@@ -52,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "its pose from one new picture: x,y,z in its own frame, where each is seen",
     )
     option(target, "--sigma PX", "noise of these pixels", float)
-    option(parser, "--seed N", "of all randomness (0)", int, default=0)
+    option(parser, "--seed N", "seed of the random numbers (0)", int, default=0)
     add_rows(parser)
 
 

@@ -20,11 +20,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     shared.add_orders(parser)
     shared.add_axis(parser)
-    option(parser, "--all", "show every point, not the worst alone")
+    option(parser, "--all", "show every point, not only the worst")
     option(
         parser,
         "--significance P",
-        "of the chi-squared elimination, for all points together (0.05)",
+        "level of the chi-squared elimination, for all points together (0.05)",
         float,
         default=0.05,
     )

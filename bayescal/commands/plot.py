@@ -64,11 +64,17 @@ def _taken(kind: FigureKind) -> str:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     option(parser, "kind KIND", f"what to draw: {', '.join(KINDS)}", choices=(*KINDS, *ALIASES))
-    option(parser, "--list", "say what each kind shows, and end", action=_ListKinds, nargs=0)
+    option(
+        parser,
+        "--list",
+        "list the kinds with what each shows, and exit",
+        action=_ListKinds,
+        nargs=0,
+    )
     option(parser, "--axis", "which pixel axis", choices=("r", "c"))
     option(parser, "--order K", "which order (the recommended one)", int)
     shared.add_orders(parser)
-    shared.add_points(parser)
+    shared.add_points(parser, or_run=True)
     shared.add_model(parser)
     output = parser.add_argument_group("output")
     option(output, "--out FILE", "the figure: .png, .svg or .pdf", required=True)

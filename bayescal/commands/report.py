@@ -32,20 +32,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     shared.add_orders(parser)
     shared.add_axis(parser)
-    shared.add_points(parser)
+    shared.add_points(parser, or_run=True)
     shared.add_model(parser)
     option(
         parser,
         "--outliers",
-        "look for bad points too: a section of their own (about a minute more)",
+        "add a section on bad points (about a minute more)",
     )
     add_families(parser, several=True)
     output = parser.add_argument_group("output")
     option(output, "--out FILE.html", "the page; - prints it", required=True)
-    option(output, "--pdf FILE.pdf", "print it too, with the Chromium found on the PATH")
+    option(output, "--pdf FILE.pdf", "a PDF of it too, printed by the Chromium found on the PATH")
     add_manner(output, "don't say the verdict")
     heading = parser.add_argument_group("title block (by default as the setup's [report] says)")
-    option(heading, "--title TEXT", "heads the page", default="")
+    option(heading, "--title TEXT", "title of the page", default="")
     for name, what in (
         ("camera", "which camera was calibrated"),
         ("serial", "its serial number"),

@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     option(
         elimination,
         "--significance P",
-        "chance of removing any point from data without a bad one (0.05)",
+        "level: the chance that any point is removed where none is bad (0.05)",
         float,
         default=0.05,
     )

@@ -65,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "the camera (at 0 0 0, image 1920 by 1080 px, c from the bottom; the thesis's with "
         "its points; state it with --like POINTS)",
     )
-    option(layout, "--seed N", "of all randomness (0)", int, default=0)
+    option(layout, "--seed N", "seed of the random numbers (0)", int, default=0)
     output = parser.add_argument_group("output")
     option(output, "--out FILE.csv", "write the points there (they are printed)")
     option(output, "--force", "replace existing output")

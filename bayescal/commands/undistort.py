@@ -50,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     rows = parser.add_argument_group("pixels")
     option(rows, "--pixels TABLE", "a table with columns r,c; - reads it")
-    option(rows, "--columns r=u,c=v", "names or numbers of the table's columns")
+    option(rows, "--columns r=u,c=v", "the table's columns by name or number (from 1)")
     option(rows, "--strict", "refuse a table with a bad row")
     output = parser.add_argument_group("output")
     option(output, "--out PLACE", "folder; of pixels a CSV file, - prints it", required=True)

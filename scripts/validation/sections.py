@@ -36,7 +36,7 @@ def options_of(
     parser.add_argument(
         "--sets", type=int, default=sets, help=f"data sets of each kind ({sets}; from {least})"
     )
-    parser.add_argument("--seed", type=int, default=0, help="of all randomness (0)")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random numbers (0)")
     parser.add_argument(
         "--workers", type=int, default=1, help="processes, which change no result (1)"
     )

@@ -23,7 +23,7 @@ def add_camera(parser: argparse.ArgumentParser) -> None:
     """Add the camera, and which of its models."""
     option(parser, "camera RUN", "a run that --out wrote, or a camera file (camera.npz)")
     models = add_average(parser)
-    option(models, "--model NAME", "take this plausible model alone")
+    option(models, "--model NAME", "answer by this plausible model alone")
 
 
 def add_average(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -40,8 +40,12 @@ def add_average(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
 
 def add_rows(parser: argparse.ArgumentParser) -> None:
     """Add how the rows of a table are read, and where answers go."""
-    option(parser, "--columns x=E,y=N,...", "names or numbers of the table's columns")
-    option(parser, "--strict", "refuse a table with a bad row (bad rows are named)")
+    option(parser, "--columns x=E,y=N,...", "the table's columns by name or number (from 1)")
+    option(
+        parser,
+        "--strict",
+        "refuse a table with a bad row (bad rows are named, the others answered)",
+    )
     add_output(parser)
 
 

@@ -19,7 +19,9 @@ def add_families(parser: argparse.ArgumentParser, *, several: bool) -> None:
         "--family",
         type=words(("separable", "bivariate", "pinhole")) if several else str,
         metavar="F,G" if several else "F",
-        help=f"r and c jointly, one table over families: {names}" if several else f"of {names}",
+        help=f"r and c jointly, one table over families: {names}"
+        if several
+        else f"family to fit: {names}",
     )
     group.add_argument(
         "--position",
@@ -37,7 +39,7 @@ def add_families(parser: argparse.ArgumentParser, *, several: bool) -> None:
         option(
             group,
             "--radial-orders K-L",
-            "numbers of radial coefficients of the pinhole (0-3)",
+            "numbers of radial coefficients of the pinhole to compare (0-3)",
             shared.orders,
         )
 

@@ -32,23 +32,28 @@ COMPARED = ("orders", "axis")
 MODEL = ("sigma", "prior", "tau", "noise", "nu", "bad_offset", "tolerance", "seed", "ess")
 
 
-def add_points(parser: argparse.ArgumentParser) -> None:
-    """Add the points file and what is known of the camera."""
+def add_points(parser: argparse.ArgumentParser, *, or_run: bool = False) -> None:
+    """Add the points file, or the run that may stand in its place, and the camera's setup."""
     option(
         parser,
         "points POINTS",
         "a table with columns x,y,z,r,c (or E,N,h,col,row and the like) and optionally label, "
-        "group, sigma_r, sigma_c; - reads standard input; by default the bundled thesis data",
+        "group, sigma_r, sigma_c; - reads standard input; by default the bundled thesis data"
+        + ("; or a RUN, the folder that --out wrote" if or_run else ""),
         nargs="?",
     )
     option(
         parser,
         "--columns x=E,y=N,...",
-        "names or numbers of the table's columns where they can't be guessed",
+        "the table's columns by name or number (from 1), where their names can't be guessed",
     )
-    option(parser, "--view NAME", "which view to take of a file of several")
+    option(parser, "--view NAME", "the photograph to take, where the file holds several")
     for name, what in (("world", "x, y, z"), ("pixels", "r, c")):
-        option(parser, f"--{name} FILE", f"{what} where they stand in two files (no POINTS)")
+        option(
+            parser,
+            f"--{name} FILE",
+            f"table of {what}, where world and pixels are in two files (no POINTS)",
+        )
     add_setup(parser)
 
 
@@ -56,7 +61,7 @@ def add_setup(parser: argparse.ArgumentParser) -> None:
     """Add what is known of the camera."""
     camera = parser.add_argument_group("camera")
     option(camera, "--setup FILE.toml", "camera position, image size, priors")
-    option(camera, "--camera-position X Y Z", "world units (0 0 0)", float)
+    option(camera, "--camera-position X Y Z", "x, y, z of the camera, world units (0 0 0)", float)
     option(camera, "--image-width PX", "image width, px", float)
     option(camera, "--image-height PX", "image height, px", float)
     option(
@@ -87,14 +92,15 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
     option(
         model,
         "--sigma LEVEL",
-        "noise level: known, px; inferred; from replicates; or scale, a factor on the file's "
-        "sigma_r, sigma_c (those as they stand where the file has them, else inferred)",
+        "noise level: a known number of px; inferred; replicates, from repeated points; or scale, "
+        "a factor on the file's sigma_r, sigma_c (these as they stand where the file has them, "
+        "else inferred)",
         level_or("inferred", "replicates", "scale"),
     )
     option(
         model,
         "--prior",
-        "of the coefficients (the setup's where it states one, else field)",
+        "prior of the coefficients (the setup's where it states one, else field)",
         choices=("field", "flat", "stated"),
     )
     option(
@@ -106,14 +112,14 @@ def add_model(parser: argparse.ArgumentParser, *, one_noise: bool = True) -> Non
     option(
         model,
         "--tolerance PX",
-        "difference of predictions that does not matter: an order suffices where those that "
-        "can't be excluded stay within it (a quarter of the noise)",
+        "difference of predictions that does not matter to you: an order suffices where the others "
+        "that can't be excluded differ by less (a quarter of the noise)",
         float,
     )
     _add_noise(parser, choose=one_noise)
     run = parser.add_argument_group("run")
-    option(run, "--seed N", "of all randomness (0)", int)
-    option(run, "--ess N", "effective samples wanted (4000)", int)
+    option(run, "--seed N", "seed of the random numbers (0)", int)
+    option(run, "--ess N", "effective samples wanted of each parameter (4000)", int)
 
 
 def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
@@ -131,7 +137,7 @@ def _add_noise(parser: argparse.ArgumentParser, *, choose: bool) -> None:
     option(
         noise,
         "--bad-offset",
-        "let the bad points of outlier-mixture be off to one side (spread about the good)",
+        "let the bad points of outlier-mixture be off to one side (off to all sides alike)",
         default=None,
     )
 

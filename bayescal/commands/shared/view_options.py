@@ -23,7 +23,7 @@ def add_views(parser: argparse.ArgumentParser) -> None:
     )
     given = parser.add_argument_group("views")
     add_board(given)
-    option(given, "--columns view=a,x=b,...", "names or numbers of a table's columns")
+    option(given, "--columns view=a,x=b,...", "the table's columns by name or number (from 1)")
     option(
         given,
         "--without VIEW[:POINT]",
@@ -44,8 +44,13 @@ def add_board(given: argparse._ArgumentGroup) -> None:
         "--board 9x6",
         "points along x and y, for files of pixels alone; or the .dsc of .orpc files",
     )
-    option(given, "--square SIDE", "distance of its points (1)", float)
-    option(given, "--only PATTERN", "keep the views so called: '*cam0*'")
+    option(
+        given,
+        "--square SIDE",
+        "distance between neighbouring points, in your unit of length (1)",
+        float,
+    )
+    option(given, "--only PATTERN", "keep only the views whose names match, such as '*cam0*'")
 
 
 def views(options: argparse.Namespace) -> Views:
