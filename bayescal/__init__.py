@@ -1,9 +1,11 @@
 """bayescal: Bayesian uncertainty analysis for camera calibration.
 
-Each polynomial order of the world-to-pixel map is a likelihood model with
-Gaussian pixel noise; its coefficients' posterior is sampled with emcee, and the
-orders are compared by goodness of fit, information criteria and evidence, so
-that the chosen order can be defended.
+Each polynomial order of the world-to-pixel map (`compare`), each family of
+camera models (`compare_families`) and each lens of many views (`calibrate`) is a
+likelihood model. They are compared by goodness of fit, information criteria,
+evidence and predictive accuracy, so that the choice can be defended. What was
+chosen predicts (`predict`), locates (`locate`) and undistorts (`undistort`), with
+its uncertainty. World coordinates are in any one unit, pixels in px.
 
 >>> import bayescal as bc
 >>> result = bc.compare(bc.thesis(), orders=range(1, 6))

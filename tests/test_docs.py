@@ -87,6 +87,11 @@ def test_every_command_is_in_the_readme(name):
     assert f"bayescal {name}" in (ROOT / "README.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("name", [n for n in bc.__all__ if not n.startswith("_")])
+def test_every_public_name_is_on_the_page_about_python(name):
+    assert f"`{name}`" in (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
 def test_links_lead_somewhere(page):
     for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):

@@ -30,7 +30,7 @@ GIVEN = "a run's folder or a camera file"
 
 
 def keep_camera(camera: CalibratedCamera, path: str | Path, *, force: bool = False) -> None:
-    """Write a calibrated camera to one file, which `load_camera` reads.
+    """Write a calibrated camera to one file, which `bayescal.camera` reads.
 
     Parameters
     ----------
