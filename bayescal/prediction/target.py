@@ -29,6 +29,7 @@ FEWEST = 4
 SOURCES = ("noise", "coefficients", "models")
 QUANTITIES = ("x", "y", "z", "turn x", "turn y", "turn z")
 ODDS = 20.0  # a second pose less likely than one in so many is not told
+FAR = 10.0  # times the squares of the best: what misses by more is no second pose
 UNLIKELY = 0.001  # a chi-squared so large by chance is told
 MIRROR = np.array([1.0, 1.0, -1.0])
 BETTER = 0.25  # of chi-squared: a mirror image with half the residuals is told
@@ -140,13 +141,15 @@ def locate_target(
         mirrored = _mirrored(members[0], points, own, pictures[0], seed)
         if mirrored < BETTER * first.chi2:
             first = replace(first, mirrored=mirrored)
+    # Chi-squared is linear in the pose: where a search was lost it would be what it is not.
+    limit = FAR * (best[0].cost[0] + own.size)
+    others = [p for p in every[0][1:] if p.cost[0] < limit]
     worse = [
-        propagated(members[0], p, points, own, pictures[0], seed).chi2 - first.chi2
-        for p in every[0][1:]
+        propagated(members[0], p, points, own, pictures[0], seed).chi2 - first.chi2 for p in others
     ]
     if min(worse, default=math.inf) > 2 * math.log(ODDS):
         return first
-    other = every[0][1 + int(np.argmin(worse))]
+    other = others[int(np.argmin(worse))]
     near = [_nearest(found, other) for found in every]
     second = _pose(camera, members, near, points, own, pictures, seed)
     return replace(first, second=second, odds=math.exp(max(min(worse), 0.0) / 2))

@@ -252,6 +252,15 @@ def test_two_poses_of_a_small_square_are_told(camera):
     assert locate_target(camera, board(), seen(camera, board())).second is None
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_search_that_was_lost_is_no_second_pose(camera, seed):
+    """Truth: a pose that fits nearly as well misses the pixels by not much more."""
+    square = np.array([[0.0, 0, 0], [25, 0, 0], [0, 25, 0], [25, 25, 0]])
+    wrong = np.random.default_rng(seed).normal(0, 2, (4, 2))
+    found = locate_target(camera, square, seen(camera, square, at=np.array([9.0, 4, 250])) + wrong)
+    assert found.second is None or found.second.rms < 3 * found.rms
+
+
 def test_a_wrong_target_is_betrayed_by_its_residuals(camera):
     pixels = seen(camera, board())
     found = locate_target(camera, board() * [1.0, 1.05, 1.0], pixels)

@@ -13,7 +13,7 @@ from bayescal.report.blocks import Blocks, Listing, Tabled
 from bayescal.report.table import Cell, plain_table
 from bayescal.report.views.location import agreement
 from bayescal.report.views.prediction import models_words
-from bayescal.rounding import counted, rounded, significant
+from bayescal.rounding import counted, percent, rounded, significant
 
 
 def target_view(camera: CalibratedCamera, table: PartialTable, found: TargetPose) -> Blocks:
@@ -57,8 +57,8 @@ def _sharing(camera: CalibratedCamera) -> list[str]:
         return []
     own, shared, length = np.median(first[first[:, 1] > 0], axis=0)
     return [
-        f"Neighbours on the target shared noise in the calibration (probability {100 * chance:.0f} "
-        f"%; {significant(shared)} px over {significant(length)} world units, beside "
+        f"Neighbours on the target shared noise in the calibration (probability {percent(chance)}; "
+        f"{significant(shared)} px over {significant(length)} world units, beside "
         f"{significant(own)} px of each point's own). The same is assumed here: it makes the pose "
         "less sure than independent noise would."
     ]
@@ -97,9 +97,10 @@ def _lines(found: TargetPose) -> list[str]:
         lines.append(f"{beyond} beyond where points were calibrated with (extrapolated).")
     if found.second is not None:
         turn = np.degrees(found.second.rotation)
-        words = ", ".join(f"{v:.4g}" for v in (*found.second.position, *turn))
+        place, turned = (", ".join(f"{v:.4g}" for v in of) for of in (found.second.position, turn))
         lines.append(
-            f"A second pose fits nearly as well (odds {found.odds:.1f} to 1): {words}. A small or "
-            "distant flat target does not tell them apart; the sds hold for either alone."
+            f"A second pose fits nearly as well (odds {found.odds:.1f} to 1): x, y, z {place}; "
+            f"turn {turned} deg. A small or distant flat target does not tell them apart; the sds "
+            "hold for either alone."
         )
     return lines
