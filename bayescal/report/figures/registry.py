@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol, cast
@@ -109,25 +110,56 @@ class FigureKind:
         """Give what its module draws: an axis and order of a comparison, or the whole result."""
         if order is not None and not self.one_order:
             raise InputError(f"{self.name} shows every order; leave out the order")
-        if self.of in ("families", "lenses", CAMERA):
-            if axis is not None:
-                raise InputError(f"{self.name} is joint, of r and c; leave out the axis")
-            return maps_of(result) if self.of == CAMERA else result
-        names = ", ".join(result.axes)
-        if axis is not None and axis not in result.axes:
-            raise InputError(f"axis {axis} was not compared; axes: {names}")
-        if axis is None and len(result.axes) == 1:
-            (axis,) = result.axes
-        if axis is None and (self.one_axis or order is not None):
-            raise InputError(f"{self.name} needs an axis, one of {names}")
-        if self.of == "outliers":
-            return result.axes[axis]
-        from bayescal.report.figures.subject import Subject
+        return SUBJECTS[self.of](self, result, axis, order)
 
-        subject = Subject(result, axis, order)
-        if order is not None:
-            subject.check_order()
-        return subject
+
+def _whole(kind: FigureKind, result: Any, axis: str | None, _: int | None = None) -> Any:
+    """Take a result that is joint, of r and c."""
+    if axis is not None:
+        raise InputError(f"{kind.name} is joint, of r and c; leave out the axis")
+    return result
+
+
+def _maps(kind: FigureKind, result: Any, axis: str | None, _: int | None) -> Any:
+    return maps_of(_whole(kind, result, axis))
+
+
+def _axis_of(
+    kind: FigureKind, result: Any, axis: str | None, order: int | None = None
+) -> str | None:
+    """Name the axis; None where a figure is of all."""
+    names = ", ".join(result.axes)
+    if axis is not None and axis not in result.axes:
+        raise InputError(f"axis {axis} was not compared; axes: {names}")
+    if axis is None and len(result.axes) == 1:
+        (axis,) = result.axes
+    if axis is None and (kind.one_axis or order is not None):
+        raise InputError(f"{kind.name} needs an axis, one of {names}")
+    return axis
+
+
+def _bad_points(kind: FigureKind, result: Any, axis: str | None, _: int | None) -> Any:
+    return result.axes[_axis_of(kind, result, axis)]
+
+
+def _orders(kind: FigureKind, result: Any, axis: str | None, order: int | None) -> Any:
+    """Take an axis and an order of a comparison."""
+    from bayescal.report.figures.subject import Subject
+
+    subject = Subject(result, _axis_of(kind, result, axis, order), order)
+    if order is not None:
+        subject.check_order()
+    return subject
+
+
+# What a module draws, by what its kind is of.
+SUBJECTS: dict[str, Callable[[FigureKind, Any, str | None, int | None], Any]] = {
+    "comparison": _orders,
+    "families": _whole,
+    "lenses": _whole,
+    "outliers": _bad_points,
+    CAMERA: _maps,
+}
 
 
 def maps_of(result: Any) -> Any:
