@@ -74,11 +74,7 @@ class AxisOutliers(Recommends, Lists[str, PointRecord]):
     @property
     def chosen(self) -> OrderResult:
         """The order shown under the outlier mixture, whose posterior is handed on."""
-        return next(
-            found
-            for found in self.treatments[-1].orders
-            if isinstance(found, OrderResult) and found.order == self.order
-        )
+        return next(found for found in self.treatments[-1].sampled if found.order == self.order)
 
     @property
     def bad(self) -> tuple[PointRecord, ...]:

@@ -11,6 +11,7 @@ from scipy.special import logsumexp
 from bayescal.comparison.defence.other_noise import ERRORS, MENTION
 from bayescal.comparison.evidence import strength
 from bayescal.comparison.judged import Judged
+from bayescal.comparison.orders.result import OrderResult
 from bayescal.noise.choice import NOISE_WORDS
 
 # 2 ln B above which Gaussian noise is called wrong rather than doubtful: strong evidence.
@@ -35,6 +36,11 @@ class Treatment:
     name: str
     n_points: int
     orders: tuple[Judged, ...]
+
+    @property
+    def sampled(self) -> tuple[OrderResult, ...]:
+        """Orders that have draws: all of a robust noise model, else none."""
+        return tuple(found for found in self.orders if isinstance(found, OrderResult))
 
     @property
     def noise(self) -> str:

@@ -112,9 +112,5 @@ def _treatment(t: Treatment, n: int) -> dict[str, Any]:
         "order": t.order,
         "log_evidence_all_orders": t.total if t.n_points == n else None,
         "warnings": by_order(t.warnings),
-        "not_converged": [
-            j.key.orders[0]
-            for j in t.orders
-            if j.posterior is not None and not j.posterior.converged
-        ],
+        "not_converged": [found.order for found in t.sampled if not found.posterior.converged],
     }

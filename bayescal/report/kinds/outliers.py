@@ -68,8 +68,7 @@ class OutliersKind(RunKind[OutlierStudy]):
             judged.key.file(): judged
             for axis in result.axes.values()
             for treatment in axis.treatments
-            for judged in treatment.orders
-            if isinstance(judged, OrderResult)
+            for judged in treatment.sampled
         }
 
     def draws(self, result: OutlierStudy) -> dict[str, Draws]:
