@@ -104,7 +104,8 @@ def page_of(
                 section = _with_headlines(section, beside)
             sections.append(replace(section, blocks=drawn(section.blocks)))
     if views.methods is not None:
-        sections.append(views.methods(result, beside, origin))
+        said = [line for other in beside for line in kind_of(other).views.beside(other)]
+        sections.append(views.methods(result, said, origin))
     return Page(
         title=heading.title or views.title(result),
         about=tuple(f"{sentence(line)}." for line in views.about(result)),

@@ -23,6 +23,11 @@ def nothing(_: Comparison, /) -> Blocks:
     return ()
 
 
+def unmentioned(_: object, /) -> Iterable[str]:
+    """Give no sentences."""
+    return ()
+
+
 @dataclass(frozen=True)
 class Topic:
     """What is said of a comparison of orders under one heading, most of it axis by axis.
@@ -79,8 +84,10 @@ class Views(Generic[Result]):
     appendix : mapping
         Those that follow the chapters of results shown beside it.
     methods : callable, optional
-        Makes the chapter that says how it was done, of the result, those shown beside it, and
-        the provenance of its document.
+        Makes the chapter that says how it was done, of the result, what is said of those shown
+        beside it, and the provenance of its document.
+    beside : callable
+        Sentences for the methods of a result that it is shown beside.
     """
 
     title: Callable[[Result], str]
@@ -91,4 +98,5 @@ class Views(Generic[Result]):
     sections: Chapters[Result]
     unsound: str
     appendix: Chapters[Result] = field(default_factory=dict)
-    methods: Callable[[Result, Iterable[object], Mapping[str, Any]], Section] | None = None
+    methods: Callable[[Result, Iterable[str], Mapping[str, Any]], Section] | None = None
+    beside: Callable[[Result], Iterable[str]] = unmentioned

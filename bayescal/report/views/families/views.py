@@ -35,6 +35,7 @@ from bayescal.report.views.families.words import (
     assumed_lines,
     fit_words,
     grouped_words,
+    methods_words,
     models_notes,
     no_criteria,
     power_words,
@@ -164,6 +165,7 @@ VIEWS = Views(
         "maps": lambda found: map_section(found, families_camera),
     },
     UNSOUND,
+    beside=methods_words,
 )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.results import FamilyComparison, GroupedErrors
@@ -41,6 +41,21 @@ def assumed_lines(found: FamilyComparison) -> list[tuple[str, str]]:
 def weak_words(posterior: SampledPosterior) -> list[str]:
     """Name what moves together, a sentence for each combination."""
     return weak_lines(posterior.names, correlations(posterior))
+
+
+def methods_words(found: FamilyComparison) -> Iterator[str]:
+    """Say, beside a comparison of orders, how the models were compared."""
+    names = list(dict.fromkeys(m.key.family for m in found.models))
+    places = sorted({m.key.position for m in found.models}, reverse=True)
+    one = len(found.models) == 1
+    yield (
+        f"Beside them, {'one joint model' if one else f'{len(found.models)} joint models'} "
+        "of r and c "
+        f"{'was' if one else 'were'} compared on the same pixels (families: {', '.join(names)}; "
+        f"camera position {' or '.join(places)}), families equally probable beforehand."
+    )
+    if not all(m.exact for m in found.models):
+        yield "Evidences without a closed form come from importance sampling."
 
 
 def no_criteria(found: FamilyComparison) -> str:

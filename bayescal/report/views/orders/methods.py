@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.results import AxisComparison, Comparison
 from bayescal.prior.amplitudes import PriorRule
 from bayescal.report.blocks import Listing, Prose, Section
@@ -34,14 +33,14 @@ REFERENCES = {
 
 
 def section(
-    comparison: Comparison, beside: Iterable[object], provenance: Mapping[str, Any]
+    comparison: Comparison, beside: Iterable[str], provenance: Mapping[str, Any]
 ) -> Section:
     """Give the paragraph, with the references it cites numbered as cited.
 
     Parameters
     ----------
-    beside : iterable
-        Results shown beside it.
+    beside : iterable of str
+        What is said of results shown beside it.
     provenance : mapping
         Of its document.
     """
@@ -52,10 +51,7 @@ def section(
 
     axes = tuple(comparison.axes.values())
     sentences = [*_models(comparison, axes), *_inference(comparison, axes, cite)]
-    for found in beside:
-        if isinstance(found, FamilyComparison):
-            sentences += _families(found)
-    sentences += _checks(axes, cite)
+    sentences += [*beside, *_checks(axes, cite)]
     sentences.append(
         f"bayescal {provenance['bayescal']} was used, with emcee {provenance['emcee']}, numpy "
         f"{provenance['numpy']} and seed {provenance['seed']}."
@@ -131,20 +127,6 @@ def _inference(comparison: Comparison, axes: Axes, cite: Cite) -> Iterable[str]:
             "posterior probabilities reach 0.95, and the strength of evidence is in the words of "
             f"Kass & Raftery {cite('kass')}."
         )
-
-
-def _families(found: FamilyComparison) -> Iterable[str]:
-    names = list(dict.fromkeys(m.key.family for m in found.models))
-    places = sorted({m.key.position for m in found.models}, reverse=True)
-    one = len(found.models) == 1
-    yield (
-        f"Beside them, {'one joint model' if one else f'{len(found.models)} joint models'} "
-        "of r and c "
-        f"{'was' if one else 'were'} compared on the same pixels (families: {', '.join(names)}; "
-        f"camera position {' or '.join(places)}), families equally probable beforehand."
-    )
-    if not all(m.exact for m in found.models):
-        yield "Evidences without a closed form come from importance sampling."
 
 
 def _checks(axes: Axes, cite: Cite) -> Iterable[str]:
