@@ -45,7 +45,7 @@ class Key:
     @classmethod
     def of_axis(cls, axis: str, order: int, noise: str, family: str = separable.NAME) -> Key:
         """Name one order of one axis at the stated position."""
-        return cls(POLYNOMIAL if axis == "y" else family, (order,), STATED, noise, axis)
+        return cls(family if axis in AXES else POLYNOMIAL, (order,), STATED, noise, axis)
 
     @property
     def order(self) -> str:

@@ -9,6 +9,7 @@ from bayescal.comparison.adequacy.coordinate import other_coordinate
 from bayescal.comparison.adequacy.outcome import p_words
 from bayescal.comparison.adequacy.problem import other_name
 from bayescal.errors import InputError
+from bayescal.polynomials.pixel_axis import PIXEL_AXES
 from bayescal.polynomials.separable import axis_data
 from bayescal.report.figures.comparison.residuals import describe, draw_over
 from bayescal.report.figures.residual_points import ResidualPoints
@@ -31,7 +32,7 @@ def _other(subject: Subject) -> Array:
     points, own = subject.comparison.points, subject.axis.data.axis
     if points is None:
         raise InputError("other needs points of a camera: y is a function of x alone")
-    return axis_data(points, "c" if own == "r" else "r").x
+    return axis_data(points, PIXEL_AXES[own].other).x
 
 
 def alt_text(subject: Subject) -> str:
