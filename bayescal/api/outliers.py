@@ -8,6 +8,7 @@ from pathlib import Path
 from bayescal.api.given import Given, GivenSetup, points_of, resumed
 from bayescal.comparison.outliers.analysis import find_outliers
 from bayescal.comparison.outliers.rejection import RejectionRule
+from bayescal.comparison.outliers.request import OutlierRequest
 from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.comparison.settings import DEFAULT_ESS, DEFAULT_ORDERS, Settings, checked_orders
 from bayescal.errors import InputError
@@ -78,11 +79,7 @@ def outliers(
     rule = RejectionRule(significance)
     if prior == "flat":
         raise InputError("outliers compares evidences, which a flat prior does not have")
-    tell = progress if progress is not None else _silent
-    points, axes = points_of(points, setup), axis_names(axis)
-    store = resumed(resume, points, settings, (axes, wanted, noises))
-    return find_outliers(points, axes, wanted, settings, noises, rule, tell, store)
-
-
-def _silent(_: str) -> None:
-    """Report no progress."""
+    points = points_of(points, setup)
+    request = OutlierRequest(axis_names(axis), wanted, noises, rule)
+    store = resumed(resume, points, settings, (request.axes, wanted, noises))
+    return find_outliers(points, request, settings, progress or (lambda _: None), store)

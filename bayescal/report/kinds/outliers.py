@@ -7,6 +7,7 @@ from typing import Any
 from bayescal.comparison.orders.result import OrderResult
 from bayescal.comparison.outliers.analysis import find_outliers
 from bayescal.comparison.outliers.rejection import RejectionRule
+from bayescal.comparison.outliers.request import OutlierRequest
 from bayescal.comparison.outliers.results import OutlierStudy
 from bayescal.comparison.settings import Settings
 from bayescal.inference.arviz_bridge import Draws
@@ -79,16 +80,13 @@ class OutliersKind(RunKind[OutlierStudy]):
         """Look again, with the run's draws."""
         asked, axes = run.document["settings"], run.document["axes"]
         first = next(iter(axes.values()))
-        return find_outliers(
-            run.points(),
-            list(axes),
+        request = OutlierRequest(
+            tuple(axes),
             tuple(int(k) for k in first["treatments"][0]["log_evidence"]),
-            settings,
             (StudentT(asked["nu"]), OutlierMixture(infers_offset=asked["bad_offset"])),
             RejectionRule(run.document["significance"]),
-            lambda _: None,
-            StoredDraws(run),
         )
+        return find_outliers(run.points(), request, settings, store=StoredDraws(run))
 
 
 KIND = OutliersKind()
