@@ -15,6 +15,24 @@ from bayescal.polynomials.axis_data import generic_axis
 COUNTS = (57, 1_000, 100_000, 1_000_000, 10_000_000)
 CAMERA = ("--image-width", "1920", "--image-height", "1080")
 COMMAND = [sys.executable, "-m", "bayescal", "compare", "--orders", "1-5", "--json", "-", *CAMERA]
+# Words, what is asked beside the file, and of how many points.
+ASKED: tuple[tuple[str, tuple[str, ...], tuple[int, ...]], ...] = (
+    (
+        "`compare --family separable,bivariate`, orders 1-5",
+        ("compare", "--family", "separable,bivariate"),
+        (100_000, 1_000_000, 10_000_000),
+    ),
+    (
+        "`fit --noise student-t --order-r 3`",
+        ("fit", "--noise", "student-t", "--order-r", "3"),
+        (20_000, 100_000, 1_000_000),
+    ),
+    (
+        "`fit --noise outlier-mixture --order-r 3`",
+        ("fit", "--noise", "outlier-mixture", "--order-r", "3"),
+        (1_000_000,),
+    ),
+)
 ORDER = 5
 CHUNK = 65536
 
@@ -98,15 +116,22 @@ def digits(n: int = 1_000_000, sigma: float = 1e-3) -> str:
 
 
 def main() -> None:
-    """Print a table and two sentences."""
-    counts = [n for n in COUNTS if n <= float(sys.argv[1] if len(sys.argv) > 1 else "inf")]
+    """Print two tables and two sentences."""
+    most = float(sys.argv[1] if len(sys.argv) > 1 else "inf")
     print("| points | processor time, s | peak memory, MB |\n|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
-        for n in counts:
-            path = Path(folder) / "points.npy"
+        path = Path(folder) / "points.npy"
+        for n in [n for n in COUNTS if n <= most]:
             write(path, n)
             used, memory = spent([*COMMAND, str(path)])
             print(f"| {n:,} | {used:.1f} | {memory:.0f} |", flush=True)
+        print("\n| | points | processor time, s | peak memory, MB |\n|---|---|---|---|")
+        for words, asked, counts in ASKED:
+            for n in [n for n in counts if n <= most]:
+                write(path, n)
+                command = [*COMMAND[:3], *asked, "--json", "-", *CAMERA, str(path)]
+                used, memory = spent(command)
+                print(f"| {words} | {n:,} | {used:.0f} | {memory:.0f} |", flush=True)
     print(f"\n{speed()}\n{digits()}")
 
 

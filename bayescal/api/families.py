@@ -6,14 +6,18 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Unpack
 
-from bayescal.api.given import Given, GivenSetup, points_of, resumed
+from bayescal.api.given import Given, GivenSetup, many_of, points_of, resumed
 from bayescal.api.options import Options, spelled_out
 from bayescal.cameras.pinhole import Radial
 from bayescal.comparison.analysis import Progress
-from bayescal.comparison.families.analysis import compare_joint
+from bayescal.comparison.families.analysis import check_request, compare_joint
+from bayescal.comparison.families.reduced import can_reduce_families, reduce_families
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.results import FamilyComparison
 from bayescal.comparison.settings import DEFAULT_ORDERS, Settings, checked_orders
+from bayescal.points.chunks.many import ManyPoints
+from bayescal.points.correspondences import Correspondences
+from bayescal.polynomials.whole import Whole
 
 RADIAL_ORDERS = (0, 1, 2, 3)
 
@@ -73,9 +77,9 @@ def compare_families(
     """
     settings = Settings(**options, defend=defend)
     request = family_request(families, orders, position, radial, radial_orders)
-    points = points_of(points, setup)
+    points, whole = _reduced(points, setup, request, settings)
     store = resumed(resume, points, settings, request)
-    return compare_joint(points, request, settings, progress, store)
+    return compare_joint(points, request, settings, progress, store, whole)
 
 
 def family_request(
@@ -138,4 +142,24 @@ def fit_family(
     pair = ((orders[0], orders[-1]),) if family == "separable" else None
     where = None if position is None else (position,)
     request = FamilyRequest((family,), degrees, where, radial, radial_orders, pair)
-    return compare_joint(points_of(points, setup), request, settings)
+    points, whole = _reduced(points, setup, request, settings)
+    return compare_joint(points, request, settings, whole=whole)
+
+
+def _reduced(
+    given: Given | ManyPoints, setup: GivenSetup, request: FamilyRequest, settings: Settings
+) -> tuple[Correspondences, dict[str, Whole] | None]:
+    """Make correspondences for families, or of those with a closed form a sample and a reduction.
+
+    Raises
+    ------
+    InputError
+        As `points_of`.
+    """
+    check_request(request, settings)
+    many = many_of(given, setup)
+    if many is None:
+        return points_of(given, setup), None
+    if not can_reduce_families(many, request, settings):
+        return many.at_once(), None
+    return reduce_families(many, request, settings)

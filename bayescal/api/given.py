@@ -37,14 +37,20 @@ def reduced(
     InputError
         As `points_of`.
     """
-    many = given if isinstance(given, ManyPoints) else many_points(given)
+    many = many_of(given, setup)
     if many is None:
         return points_of(given, setup), None, None
-    if setup is not None:
-        many = dataclasses.replace(many, setup=camera_of(setup))
     if not can_reduce(many, settings):
         return many.at_once(), None, None
     return (*reduce_points(many, orders, settings), many)
+
+
+def many_of(given: Given | ManyPoints, setup: GivenSetup) -> ManyPoints | None:
+    """Take points as many, under a setup; None where they are few."""
+    many = given if isinstance(given, ManyPoints) else many_points(given)
+    if many is None or setup is None:
+        return many
+    return dataclasses.replace(many, setup=camera_of(setup))
 
 
 def points_of(given: Given, setup: GivenSetup = None) -> Correspondences:

@@ -7,7 +7,7 @@ from typing import Any
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families, families_of
-from bayescal.commands.shared.many import POSE, compared, say_many
+from bayescal.commands.shared.many import POSE, compared, many_or_few
 from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_output, deliver
 from bayescal.commands.shared.resume import resumable
@@ -51,15 +51,16 @@ def run(options: argparse.Namespace) -> int:
 def _across_families(options: argparse.Namespace, asked: dict[str, Any]) -> int:
     """Compare families of joint models of r and c."""
     check_output(options)
-    points = shared.points(options)
     given = {name: value for name, value in shared.settings(options).items() if name != "axis"}
     how = {"defend": options.defend, **asked, **given}
     from bayescal.api.families import compare_families, family_request
 
     request = family_request(orders=shared.orders_of(options), **asked)
-    say_many(options, len(points), request.n_models, POSE)
-    steps = request.n_models + 1
+    each = POSE if request.moves else None
     with resumable(options) as resume:
-        with shared.Progress(options, 0, heavy=steps) as progress:
+        with (
+            many_or_few(options, request.n_models, each) as points,
+            shared.Progress(options, 0, heavy=request.n_models + 1) as progress,
+        ):
             result = compare_families(points, progress=progress, resume=resume, **how)
         return deliver(options, result)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from bayescal.commands.shared import options as shared
 from bayescal.commands.shared.families import add_families
-from bayescal.commands.shared.many import many_or_few
+from bayescal.commands.shared.many import POSE, many_or_few
 from bayescal.commands.shared.option import option
 from bayescal.commands.shared.output import add_output, check_file, check_output, deliver
 from bayescal.errors import InputError
@@ -78,14 +78,16 @@ def _joint(options: argparse.Namespace) -> int:
         check_file(options, place)
         if options.json not in (None, "-") and place.resolve() == Path(options.json).resolve():
             raise InputError("--json and --opencv name the same file; name two")
-    result = fit_family(
-        shared.points(options),
-        family,
-        wanted,
-        position=None if options.position is None else options.position[0],
-        radial=options.radial or "even",
-        **shared.settings(options),
-    )
+    moves = family == "pinhole" or options.position == ["free"]
+    with many_or_few(options, 1, POSE if moves else None) as points:
+        result = fit_family(
+            points,
+            family,
+            wanted,
+            position=None if options.position is None else options.position[0],
+            radial=options.radial or "even",
+            **shared.settings(options),
+        )
     code = deliver(options, result, full=True)
     if options.opencv is not None:
         from bayescal.report.opencv import save_opencv

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -16,8 +17,10 @@ from bayescal.points.chunks.many import ManyPoints
 from bayescal.points.chunks.tally import Tally
 from bayescal.points.correspondences import Correspondences
 from bayescal.polynomials import separable
+from bayescal.polynomials.axis_data import AxisData
 from bayescal.polynomials.whole import Whole
 
+AxisOf: TypeAlias = Callable[[Correspondences, str], AxisData]
 # A defence of more points reads them again, and leaves out groups and draws.
 DEFENDED = 10_000
 # Place of the sample's random numbers among those of a seed.
@@ -57,18 +60,33 @@ def reduce_points(
     InputError
         Where a point can't be used; the message names it.
     """
+    wanted = {
+        axis: (separable.axis_data, axis, max(beyond(some[-1], BEYOND), USUAL))
+        for axis, some in orders.items()
+    }
+    return reduced(points, wanted, settings)
+
+
+def beyond(highest: int, more: int) -> int:
+    """Give the order that a look beyond the highest wanted needs."""
+    return min(highest, HIGHEST_ORDER) + more
+
+
+def reduced(
+    points: ManyPoints, wanted: Mapping[str, tuple[AxisOf, str, int]], settings: Settings
+) -> tuple[Correspondences, dict[str, Whole]]:
+    """Reduce axes, each up to an order, and draw a sample."""
     drawn = Drawn(np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(SAMPLE,))))
     tally = Tally()
-    sums = {
-        axis: Reduction(max(min(wanted[-1], HIGHEST_ORDER) + BEYOND, USUAL))
-        for axis, wanted in orders.items()
-    }
+    sums: dict[str, Reduction] = {}
     with threadpool_limits(1):
         for chunk in points:
-            for axis, reduction in sums.items():
-                data = separable.axis_data(chunk, axis)
-                reduction.add(data.x, data.t, data.sd)
+            for name, (axis_of, axis, order) in wanted.items():
+                data = axis_of(chunk, axis)
+                across = data.other is not None
+                reduction = sums.setdefault(name, Reduction(order, across=across))
+                reduction.add(data.x, data.t, data.sd, data.other)
             drawn.add(chunk)
             tally.add(chunk)
     sample = drawn.points(points.digest(), (*points.found.notes, *tally.notes()))
-    return sample, {axis: reduction.whole() for axis, reduction in sums.items()}
+    return sample, {name: reduction.whole() for name, reduction in sums.items()}

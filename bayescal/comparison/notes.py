@@ -14,7 +14,7 @@ def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str,
     """Say what is odd about the points, and what was assumed because nobody said otherwise."""
     axes = tuple(axes)
     return (
-        *_sampled(points, defended=any(axis.defence is not None for axis in axes)),
+        *sampled_note(points, defended=any(axis.defence is not None for axis in axes)),
         *point_notes(points),
         *(
             f"{axis.data.axis}: the image size is not known; the span of the pixels, "
@@ -25,7 +25,7 @@ def notes(points: Correspondences, axes: Iterable[AxisComparison]) -> tuple[str,
     )
 
 
-def _sampled(points: Correspondences, *, defended: bool) -> Iterator[str]:
+def sampled_note(points: Correspondences, *, defended: bool = False) -> Iterator[str]:
     """Say which statistics look at a sample only."""
     if points.drawn_from is not None:
         answers = (

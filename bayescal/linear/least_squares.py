@@ -147,7 +147,7 @@ def _leading(data: AxisData, whole: Whole, order: int) -> Factorisation:
     if data.sd is not None:
         assert whole.weighted is not None, "points with deviations are reduced with them"
         triangle, log_sd = whole.weighted, whole.log_sd
-    size = order + 1
+    size = data.columns(order)
     _check_determined(data, triangle.r[:size, :size], order)
     return Factorisation(
         frozen(triangle.r[:size, :size]),

@@ -14,13 +14,19 @@ matrix is formed. Two things keep its digits where n is large and the noise smal
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import numpy as np
 from scipy.linalg import lapack
 
 from bayescal.arrays import Array, frozen
 from bayescal.polynomials.basis import Domain, basis_change, distinct_values, legendre_rows
+from bayescal.polynomials.plane import plane_change, plane_columns, plane_rows
 from bayescal.polynomials.whole import Triangle, Whole
+
+# From scaled regressors to the design's columns, one after the other.
+Rows: TypeAlias = Callable[[Sequence[Array]], Array]
 
 # Points factorised at once: their design fits into a core's cache.
 BLOCK = 8192
@@ -40,20 +46,22 @@ class Reduction:
     ----------
     order : int
         Highest order wanted.
+    across : bool, optional
+        Whether the polynomial is one of both regressors.
     """
 
-    def __init__(self, order: int) -> None:
+    def __init__(self, order: int, *, across: bool = False) -> None:
         self.order = order
         self.n = 0
+        self._sides = [_Side() for _ in range(1 + across)]
         self._log_sd: list[float] = []
-        self._domain: Domain | None = None
-        self._frame = Domain(0.0, 0.0)  # of the basis, never narrower than the domain
         self._readings: Domain | None = None
         self._values: Array = np.empty(0)
-        self._plain = _Sum(order)
+        self._size = plane_columns(order) if across else order + 1
+        self._plain = _Sum(self._size)
         self._weighted: _Sum | None = None
 
-    def add(self, x: Array, t: Array, sd: Array | None = None) -> None:
+    def add(self, x: Array, t: Array, sd: Array | None = None, other: Array | None = None) -> None:
         """Take in a chunk.
 
         Parameters
@@ -62,37 +70,40 @@ class Reduction:
             Regressor and pixels, ``(n_chunk,)``, finite.
         sd : Array, optional
             Known deviations, ``(n_chunk,)``, px: in every chunk or in none.
+        other : Array, optional
+            The other regressor, where the polynomial is one of both.
         """
-        self._widen(Domain.of(x))
+        both = [x] if other is None else [x, other]
+        changed = [side.widen(Domain.of(v)) for side, v in zip(self._sides, both, strict=True)]
+        if any(changed):
+            self._move()
         self._readings = _union(self._readings, Domain.of(t))
         self.n += len(x)
         self._count(x)
-        s = self._frame.scale(x)
-        self._plain.add(s, t)
+        scaled = [side.frame.scale(v) for side, v in zip(self._sides, both, strict=True)]
+        self._plain.add(self._rows, scaled, t)
         if sd is not None:
             if self._weighted is None:
-                self._weighted = _Sum(self.order)
-            self._weighted.add(s, t, sd)
+                self._weighted = _Sum(self._size)
+            self._weighted.add(self._rows, scaled, t, sd)
             self._log_sd.append(float(np.log(sd).sum()))
 
-    def _widen(self, seen: Domain) -> None:
-        """Let the basis reach as far as the points of a chunk."""
-        self._domain = _union(self._domain, seen)
-        frame = self._domain
-        if self.n:
-            frame = _union(self._frame, seen)
-        if frame.half_range == 0:  # all alike so far: any narrow interval about them
-            width = max(abs(frame.lower) * 1e-9, 1e-300)
-            frame = Domain(frame.lower - width, frame.upper + width)
-        if self.n and frame != self._frame:
-            self._move(frame)
-        self._frame = frame
+    def _rows(self, scaled: Sequence[Array]) -> Array:
+        """Columns of the design, one after the other."""
+        if len(scaled) == 1:
+            return legendre_rows(scaled[0], self.order)
+        return plane_rows(scaled[0], scaled[1], self.order)
 
-    def _move(self, frame: Domain) -> None:
-        change = basis_change(self._frame, frame, self.order)
-        for kept in (self._plain, self._weighted):
-            if kept is not None:
-                kept.change(change)
+    def _move(self) -> None:
+        """Go over to the frames that the sides have now."""
+        changes = [side.moved(self.order) for side in self._sides]
+        if self.n:
+            change = changes[0]
+            if len(changes) > 1:
+                change = plane_change(changes[0], changes[1], self.order)
+            for kept in (self._plain, self._weighted):
+                if kept is not None:
+                    kept.change(change)
 
     def _count(self, x: Array) -> None:
         """Keep distinct values of the regressor, up to a number that no order needs."""
@@ -103,31 +114,71 @@ class Reduction:
 
     def whole(self) -> Whole:
         """Give all that the points say of orders up to the highest."""
-        assert self._domain is not None, "points were taken in"
         assert self._readings is not None, "points were taken in"
-        if self._domain.half_range > 0 and self._frame != self._domain:
-            self._move(self._domain)
-            self._frame = self._domain
+        settled = [side.settle() for side in self._sides]
+        if any(settled):
+            self._move()
+        domain, *across = [side.domain for side in self._sides]
         return Whole(
             self.n,
             self.order,
-            self._domain,
+            domain,
             self._readings,
             distinct_values(self._values),
             self._plain.triangle(),
             None if self._weighted is None else self._weighted.triangle(),
             math.fsum(self._log_sd),
+            across[0] if across else None,
         )
+
+
+class _Side:
+    """Domain of a regressor, and the frame of its basis, which is never narrower."""
+
+    def __init__(self) -> None:
+        self._domain: Domain | None = None
+        self.frame, self._before = Domain(0.0, 0.0), Domain(0.0, 0.0)
+
+    @property
+    def domain(self) -> Domain:
+        """Of all points so far."""
+        assert self._domain is not None, "points were taken in"
+        return self._domain
+
+    def widen(self, seen: Domain) -> bool:
+        """Let the frame reach as far as the points of a chunk; whether it changed."""
+        begun = self._domain is not None
+        self._domain = _union(self._domain, seen)
+        frame = _union(self.frame, seen) if begun else self._domain
+        if frame.half_range == 0:  # all alike so far: any narrow interval about them
+            width = max(abs(frame.lower) * 1e-9, 1e-300)
+            frame = Domain(frame.lower - width, frame.upper + width)
+        return self._to(frame)
+
+    def settle(self) -> bool:
+        """Let the frame be the domain; whether it changed."""
+        return self._to(self.domain if self.domain.half_range > 0 else self.frame)
+
+    def _to(self, frame: Domain) -> bool:
+        self._before, self.frame = self.frame, frame
+        return frame != self._before
+
+    def moved(self, order: int) -> Array:
+        """From the basis on the frame before to that on the frame now."""
+        if self._before.half_range == 0 or self._before == self.frame:
+            return np.eye(order + 1)
+        change, self._before = basis_change(self._before, self.frame, order), self.frame
+        return change
 
 
 class _Sum:
     """Triangle of [design | t less the best polynomial so far], and that polynomial."""
 
-    def __init__(self, order: int) -> None:
-        self._order = order
-        self._r = np.zeros((order + 1, order + 1))
-        self._q = np.zeros(order + 1)
-        self._best = np.zeros(order + 1)
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self._r = np.zeros((size, size))
+        self._q = np.zeros(size)
+        self._best = np.zeros(size)
         self._rss: list[float] = []
         self._largest = 0.0
 
@@ -138,10 +189,10 @@ class _Sum:
         self._best = np.linalg.lstsq(self._r, fitted, rcond=DETERMINED)[0]
         self._q = self._q + (fitted - self._r @ self._best)
 
-    def add(self, s: Array, t: Array, sd: Array | None = None) -> None:
-        """Stack a chunk below."""
+    def add(self, rows: Rows, scaled: Sequence[Array], t: Array, sd: Array | None = None) -> None:
+        """Stack a chunk below; `rows` makes the design's columns of scaled regressors."""
         for attempt in range(AGAIN):
-            stacked, rss, largest = self._reduced(s, t, sd)
+            stacked, rss, largest = self._reduced(rows, scaled, t, sd)
             triangle = np.linalg.qr(stacked, mode="r")
             r, q = triangle[:-1, :-1], triangle[:-1, -1]
             rss.append(float(triangle[-1, -1] ** 2))
@@ -156,14 +207,16 @@ class _Sum:
         self._rss += rss
         self._largest = max(self._largest, largest)
 
-    def _reduced(self, s: Array, t: Array, sd: Array | None) -> tuple[Array, list[float], float]:
+    def _reduced(
+        self, rows: Rows, scaled: Sequence[Array], t: Array, sd: Array | None
+    ) -> tuple[Array, list[float], float]:
         """Factorise block by block: triangles stacked below this one, and what they leave."""
-        size = self._order + 1
+        size = self._size
         stacked, rss, largest = [np.column_stack([self._r, self._q])], [], 0.0
-        for start in range(0, len(s), BLOCK):
+        for start in range(0, len(t), BLOCK):
             part = slice(start, start + BLOCK)
-            block = np.empty((size + 1, len(s[part])))
-            block[:size], block[size] = legendre_rows(s[part], self._order), t[part]
+            block = np.empty((size + 1, len(t[part])))
+            block[:size], block[size] = rows([s[part] for s in scaled]), t[part]
             if sd is not None:
                 block /= sd[part]
             largest = max(largest, float(np.abs(block[size]).max()))

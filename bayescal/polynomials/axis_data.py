@@ -112,7 +112,7 @@ class AxisData:
     def sampled_from(self, whole: Whole) -> AxisData:
         """Give these points as a sample of the whole, whose domain and span they take."""
         span = self.size if self.size_known else span_of(whole.readings)
-        return replace(self, whole=whole, frame=(whole.domain,), size=span)
+        return replace(self, whole=whole, frame=whole.frame, size=span)
 
     @property
     def generic(self) -> bool:
@@ -199,13 +199,13 @@ class AxisData:
 
     def _check_plane(self, order: int) -> None:
         p, works = plane_columns(order), 0
-        while plane_columns(works + 1) <= len(self):
+        while plane_columns(works + 1) <= self.n:
             works += 1
-        if len(self) < p:
+        if self.n < p:
             advice = f"the highest order that works is {works}" if works else "add points"
             raise InputError(
                 f"{self.source}: axis {self.axis}: order {order} in {self.regressor} has {p} "
-                f"coefficients for {counted(len(self), 'point')}; {advice}"
+                f"coefficients for {counted(self.n, 'point')}; {advice}"
             )
 
     def _check_line(self, order: int) -> None:

@@ -14,7 +14,13 @@ from functools import cached_property
 import numpy as np
 
 from bayescal.arrays import Array
-from bayescal.polynomials.basis import Domain, MonomialMap, apply_exactly, legendre_design
+from bayescal.polynomials.basis import (
+    Domain,
+    MonomialMap,
+    apply_exactly,
+    legendre_design,
+    legendre_rows,
+)
 
 
 def powers(order: int) -> tuple[tuple[int, int], ...]:
@@ -45,6 +51,22 @@ def plane_design(s: Array, t: Array, order: int) -> Array:
     """
     first, second = np.array(powers(order)).T
     return legendre_design(s, order)[:, first] * legendre_design(t, order)[:, second]
+
+
+def plane_rows(s: Array, t: Array, order: int) -> Array:
+    """Give the design's columns one after the other in memory, as `legendre_rows`."""
+    first, second = np.array(powers(order)).T
+    return np.asarray(legendre_rows(s, order)[first] * legendre_rows(t, order)[second])
+
+
+def plane_change(one: Array, other: Array, order: int) -> Array:
+    """Matrix of ``design on new = design on old @ T``, of those of each regressor.
+
+    Upper triangular as they are (`bayescal.polynomials.basis.basis_change`): no product's degrees
+    rise, so that a column is made of itself and of those of lower total degree.
+    """
+    first, second = np.array(powers(order)).T
+    return np.asarray(one[np.ix_(first, first)] * other[np.ix_(second, second)])
 
 
 @dataclass(frozen=True)

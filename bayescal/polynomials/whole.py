@@ -57,6 +57,8 @@ class Whole:
         Divided by the points' deviations; None where they have none.
     log_sd : float
         Sum of ln sd over points with deviations; 0 without them.
+    across : Domain or None
+        Of the other regressor, where the design is one of both.
     """
 
     n: int
@@ -67,3 +69,14 @@ class Whole:
     plain: Triangle
     weighted: Triangle | None = None
     log_sd: float = 0.0
+    across: Domain | None = None
+
+    @property
+    def frame(self) -> tuple[Domain, ...]:
+        """Domains of the design's basis."""
+        return (self.domain,) if self.across is None else (self.domain, self.across)
+
+    @property
+    def used(self) -> Triangle:
+        """Divided by the points' deviations where they have them."""
+        return self.plain if self.weighted is None else self.weighted

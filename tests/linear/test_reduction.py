@@ -6,6 +6,8 @@ identity that changes the basis.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mpmath import mpf, workdps
@@ -15,6 +17,7 @@ from bayescal.linear.least_squares import factorise, solve
 from bayescal.linear.reduction import Reduction
 from bayescal.polynomials.axis_data import AxisData, generic_axis
 from bayescal.polynomials.basis import Domain, basis_change, legendre_design, legendre_rows
+from bayescal.polynomials.plane import plane_change, plane_design, plane_rows
 from tests.helpers.exact_least_squares import DIGITS, exact_fit, relative_error
 
 ORDER = 5
@@ -74,6 +77,50 @@ def test_chunks_give_the_factorisation_of_all(
         assert chunks.rss(order) == pytest.approx(at_once.rss(order), rel=1e-11)
     assert (chunks.n, chunks.largest) == (at_once.n, at_once.largest)
     assert chunks.log_sd == pytest.approx(at_once.log_sd, rel=1e-13)
+
+
+@pytest.mark.parametrize("sizes", [6000, 700])
+@pytest.mark.parametrize("weighted", [False, True])
+@pytest.mark.parametrize("order_of_points", ["as drawn", "sorted", "a line first"])
+def test_chunks_of_two_regressors_give_the_factorisation_of_all(
+    sizes: int, weighted: bool, order_of_points: str
+) -> None:
+    x, t = made(6000, 1.0)
+    rng = np.random.default_rng(1)
+    other = rng.uniform(-0.3, 0.4, len(x))
+    if order_of_points == "sorted":
+        x, t = np.sort(x), t[np.argsort(x)]
+    if order_of_points == "a line first":
+        other[:1000] = other[0]
+    t = t + 30 * x * other - 20 * other**2
+    sd = rng.uniform(0.5, 2, len(x)) if weighted else None
+    data = replace(generic_axis(x, t, sd), other=other)
+    reduction = Reduction(4, across=True)
+    for start in range(0, len(x), sizes):
+        part = slice(start, start + sizes)
+        reduction.add(x[part], t[part], None if sd is None else sd[part], other[part])
+    sample = data.sampled_from(reduction.whole())
+    assert (sample.domain, sample.across) == (data.domain, data.across)
+    at_once, chunks = factorise(data, 4), factorise(sample, 4)
+    signs = np.sign(np.diag(at_once.r)) * np.sign(np.diag(chunks.r))
+    size = np.abs(at_once.r).max()
+    np.testing.assert_allclose(chunks.r * signs[:, None], at_once.r, atol=3e-13 * size)
+    for order in range(1, 5):
+        assert chunks.rss(order) == pytest.approx(at_once.rss(order), rel=1e-10)
+    assert (chunks.n, chunks.largest) == (at_once.n, at_once.largest)
+
+
+def test_a_change_of_two_bases_is_one_of_columns() -> None:
+    old = Domain(-0.1, 0.3), Domain(-0.2, 0.2)
+    new = Domain(-0.6, 0.7), Domain(-0.2, 4.0)
+    x, y = np.random.default_rng(0).uniform(-0.1, 0.2, (2, 80))
+    before, after = (plane_design(a.scale(x), b.scale(y), 5) for a, b in (old, new))
+    change = plane_change(*(basis_change(a, b, 5) for a, b in zip(old, new, strict=True)), 5)
+    np.testing.assert_allclose(before @ change, after, atol=1e-13)
+    assert (np.tril(change, -1) == 0).all()
+    np.testing.assert_allclose(
+        plane_rows(old[0].scale(x), old[1].scale(y), 5), before.T, rtol=0, atol=1e-14
+    )
 
 
 def test_a_lower_order_is_the_leading_part() -> None:

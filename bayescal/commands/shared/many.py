@@ -16,13 +16,20 @@ if TYPE_CHECKING:
     from bayescal.points.chunks.many import ManyPoints
     from bayescal.points.correspondences import Correspondences
 
+# Processor time of a model for each point, s: some 40,000 draws that look at it, under robust
+# noise; with a pose or a position of its own.
+ROBUST, POSE = 1.2e-4, 2.2e-3
+
 
 @contextlib.contextmanager
-def many_or_few(options: argparse.Namespace, models: int) -> Iterator[Correspondences | ManyPoints]:
+def many_or_few(
+    options: argparse.Namespace, models: int, each: float | None = None
+) -> Iterator[Correspondences | ManyPoints]:
     """Give points that are read in chunks where they are many, else as `points`.
 
     Each time they are read there is a line of progress, which goes from nothing to the end. Where
-    each of so many models looks at every point it is said how long that takes.
+    each of so many models looks at every point, `each` so many seconds at one (by default under
+    robust noise alone), it is said how long that takes.
     """
     source, second = shared.files(options)
     many = None
@@ -34,8 +41,10 @@ def many_or_few(options: argparse.Namespace, models: int) -> Iterator[Correspond
         yield shared.points(options)
         return
     about = many.found.about
-    if options.noise not in (None, "gaussian"):
-        say_many(options, about, models, beside=_defended(options))
+    if each is None and options.noise not in (None, "gaussian"):
+        each = ROBUST
+    if each is not None:
+        say_many(options, about, models, each)
     with contextlib.ExitStack() as line:
 
         def begun() -> Callable[[int], None]:
@@ -65,17 +74,7 @@ def compared(options: argparse.Namespace, *, heavy: int, **how: Any) -> Comparis
         return compare(points, progress=progress, **how, **shared.settings(options))
 
 
-def _defended(options: argparse.Namespace) -> str:
-    return "; a defence takes several times that" if vars(options).get("defend") else ""
-
-
-# Processor time of a model for each point, s: some 40,000 draws that look at it.
-ROBUST, POSE = 1.2e-4, 2.2e-3
-
-
-def say_many(
-    options: argparse.Namespace, n: int, models: int, each: float = ROBUST, beside: str = ""
-) -> None:
+def say_many(options: argparse.Namespace, n: int, models: int, each: float) -> None:
     """Say how long many points take where each draw looks at every one of them.
 
     Parameters
@@ -84,8 +83,6 @@ def say_many(
         How many are fitted.
     each : float
         Seconds of one for each point.
-    beside : str
-        What else takes time, in words.
     """
     from bayescal.points.chunks.chunk import HELD
     from bayescal.rounding import grouped
@@ -94,6 +91,7 @@ def say_many(
         return
     one = n * each
     whole = f"{_time(one)} a model, {_time(one * models)} in all"
+    beside = "; a defence takes several times that" if vars(options).get("defend") else ""
     say(f"{grouped(n)} points, at all of which every draw looks: about {whole}{beside}")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -23,6 +23,7 @@ from bayescal.comparison.families.results import FamilyComparison, FamilyDefence
 from bayescal.comparison.families.verdict import FamilyVerdict, judge_families
 from bayescal.comparison.judging import Candidate, judge_all
 from bayescal.comparison.key import FAMILIES, FREE, PINHOLE, STATED, Key
+from bayescal.comparison.notes import sampled_note
 from bayescal.comparison.orders.axis import Axis
 from bayescal.comparison.settings import Settings
 from bayescal.comparison.store import Store
@@ -30,6 +31,7 @@ from bayescal.errors import InputError
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.groups import groups_of
 from bayescal.points.notes import point_notes
+from bayescal.polynomials.whole import Whole
 from bayescal.prior.camera import check_inferred, pinhole_prior, position_prior
 
 Progress: TypeAlias = Callable[[str, int], None]
@@ -46,6 +48,7 @@ def compare_joint(
     settings: Settings,
     progress: Progress | None = None,
     store: Store | None = None,
+    whole: Mapping[str, Whole] | None = None,
 ) -> FamilyComparison:
     """Compare families of models of both axes.
 
@@ -55,6 +58,8 @@ def compare_joint(
         Called with each model's name and 0 before it is judged.
     store : Store, optional
         Where posteriors come from; by default they are drawn now.
+    whole : mapping of str to Whole, optional
+        All points as each axis of each family has them (`reduced_name`), where these are a sample.
 
     Raises
     ------
@@ -66,7 +71,9 @@ def compare_joint(
         check_inferred(points)
     families, highest, kept = request.families, request.orders[-1], store or Store()
     with threadpool_limits(1):
-        axes = {f: linear_axes(points, f, settings, highest) for f in families if f in LINEAR}
+        axes = {
+            f: linear_axes(points, f, settings, highest, whole) for f in families if f in LINEAR
+        }
         levels = noise_levels(points, settings, highest)
 
         def listing(family: str, position: str, orders: Sequence[tuple[int, ...]]) -> list[Any]:
@@ -89,7 +96,7 @@ def compare_joint(
         models = tuple(sorted(found, key=lambda m: (-(m.probability or 0.0), -m.log_evidence)))
         looked = _looked_at(points, models, candidates, listing, kept, settings)
     priors = _prior_words(points, request, axes, settings)
-    notes = point_notes(points)
+    notes = [*sampled_note(points), *point_notes(points)]
     if _world_errors(points):
         notes.append(ONE_NOISE)
     if len(models) > 1:
@@ -107,6 +114,7 @@ def compare_joint(
         looked.grouped,
         looked.defence,
         derived=kept.derived,
+        whole=whole,
     )
 
 
@@ -136,7 +144,8 @@ def _looked_at(
     exact = models[0].criteria.log_likelihood is None
     tests = () if exact else residual_tests(points, best)
     findings = [*family_findings(points, models, tests), *beyond_compared(models, listing)]
-    verdict, groups, grouped = judge_families(models, findings), groups_of(points), None
+    verdict, grouped = judge_families(models, findings), None
+    groups = None if points.drawn_from is not None else groups_of(points)
     spread = None if groups is None or exact else best.spread_over(groups.members)
     if groups is not None and spread is not None:
         sd = dict(zip(best.names, spread.tolist(), strict=True))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
@@ -36,6 +36,7 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.setup import AXES
 from bayescal.polynomials import bivariate, separable
 from bayescal.polynomials.pixel_axis import PIXEL_AXES
+from bayescal.polynomials.whole import Whole
 from bayescal.prior.camera import PinholePrior, pinhole_prior, position_prior
 
 LINEAR = {separable.NAME: separable.axis_data, bivariate.NAME: bivariate.axis_data}
@@ -62,15 +63,29 @@ class NoiseLevels:
     words: tuple[str, str]
 
 
+def reduced_name(family: str, axis: str) -> str:
+    """Give the name of an axis of a family among what many points were reduced to."""
+    return f"{family}, {axis}"
+
+
 def linear_axes(
-    points: Correspondences, family: str, settings: Settings, highest: int
+    points: Correspondences,
+    family: str,
+    settings: Settings,
+    highest: int,
+    whole: Mapping[str, Whole] | None = None,
 ) -> tuple[Axis, Axis]:
-    """Set up both axes of a linear family, at the noise levels of the highest order."""
+    """Set up both axes of a linear family, at the noise levels of the highest order.
+
+    With the `whole` of each, by `reduced_name`, these points are a sample of it.
+    """
     out = []
     for axis in AXES:
         data = LINEAR[family](points, axis)
         other = separable.axis_data(points, PIXEL_AXES[axis].other).x
         own = separable.axis_data(points, axis)
+        if whole is not None:
+            data = own = data.sampled_from(whole[reduced_name(family, axis)])
         chosen = noise_level(own, settings, other, min(highest, 5))
         chosen = check_exact_world(chosen)
         stated = points.setup.priors.get(axis) if family == separable.NAME else None
@@ -117,7 +132,10 @@ def _plain_level(settings: Settings, sd: Array | None, pixel: float) -> tuple[No
 def joint_data(axes: tuple[Axis, Axis]) -> JointData:
     """Pixels of both axes with their noise levels."""
     r, c = axes
-    return JointData(np.stack([r.data.t, c.data.t]), (r.data.sd, c.data.sd), (r.noise, c.noise))
+    pixels, sd = np.stack([r.data.t, c.data.t]), (r.data.sd, c.data.sd)
+    wholes = r.data.whole, c.data.whole
+    many = None if wholes[0] is None or wholes[1] is None else (wholes[0], wholes[1])
+    return JointData(pixels, sd, (r.noise, c.noise), many)
 
 
 def checked_axes(axes: tuple[Axis, Axis], orders: Sequence[Wanted]) -> tuple[Axis, Axis]:
@@ -133,8 +151,7 @@ def joint_criteria(data: JointData, rss: Array, k: int) -> Criteria:
 
     n counts points. An axis that is fitted exactly leaves none.
     """
-    largest = np.abs(data.pixels / data.deviations).max(axis=1)
-    if any(map(only_rounding, rss.tolist(), [data.n] * 2, largest.tolist())):
+    if any(map(only_rounding, rss.tolist(), [data.n] * 2, data.largest)):
         return Criteria(k)
     value = data.log_likelihood(rss)
     return Criteria.of(k, value, data.n, inferred=any(data.inferred), across=True)

@@ -56,3 +56,8 @@ class FamilyRequest:
     def n_models(self) -> int:
         """Number of models."""
         return sum(len(self.orders_of(f)) * len(self.positions_of(f)) for f in self.families)
+
+    @property
+    def moves(self) -> bool:
+        """Whether a model has a position or a pose of its own, which no closed form has."""
+        return any(f == PINHOLE or FREE in self.positions_of(f) for f in self.families)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from bayescal.comparison.adequacy.outcome import AdequacyTest
     from bayescal.comparison.defence.stability import Removal
     from bayescal.comparison.settings import Settings
+    from bayescal.polynomials.whole import Whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +88,8 @@ class FamilyComparison(Recommends, Lists[str, JointModel]):
         As of `bayescal.comparison.results.Comparison`.
     derived : dict of str to Any
         What else took long, by name: a run keeps it.
+    whole : mapping of str to Whole, or None
+        All points, reduced for each axis of each family, where `points` are a sample of them.
     """
 
     points: Correspondences
@@ -101,6 +105,7 @@ class FamilyComparison(Recommends, Lists[str, JointModel]):
     defence: FamilyDefence | None = None
     origin: dict[str, Any] | None = None
     derived: dict[str, Any] = field(default_factory=dict, repr=False)
+    whole: Mapping[str, Whole] | None = None
 
     @property
     def probabilities(self) -> tuple[float, ...]:

@@ -21,6 +21,7 @@ from bayescal.report.kinds.comparison import COEFFICIENT, EVIDENCE, SETTINGS
 from bayescal.report.run.files import RunFiles
 from bayescal.report.run.folder import described
 from bayescal.report.run.kind import RunKind
+from bayescal.report.run.reduction import REDUCTION, reduction_bytes
 from bayescal.report.run.shape import NUMBER, Maybe, Same
 from bayescal.report.run.store import StoredDraws
 from bayescal.report.views.families.views import VIEWS
@@ -106,15 +107,19 @@ class FamiliesKind(RunKind[FamilyComparison]):
         """Make its camera."""
         return families_camera(result)
 
+    def files(self, result: FamilyComparison) -> dict[str, bytes]:
+        """Give the reduction of many points too."""
+        found = super().files(result)
+        return {**found, REDUCTION: reduction_bytes(result.whole)} if result.whole else found
+
     def reopen(self, run: RunFiles, settings: Settings) -> FamilyComparison:
         """Compare again, with the run's draws and weights.
 
         Evidences without a point, which leave-one-out may need, come from the same random numbers.
         """
         request = _request(run.document["settings"], run)
-        return compare_joint(
-            run.points(), request, settings, store=StoredDraws(run, settings.noise)
-        )
+        store = StoredDraws(run, settings.noise)
+        return compare_joint(run.points(), request, settings, store=store, whole=run.whole())
 
 
 KIND = FamiliesKind()

@@ -22,9 +22,10 @@ def reduction_bytes(whole: Mapping[str, Whole]) -> bytes:
     arrays: dict[str, Any] = {}
     for axis, found in whole.items():
         arrays |= {f"{axis}/{name}": getattr(found, name) for name in _WHOLE}
-        for name in ("domain", "readings"):
+        for name in ("domain", "readings", "across"):
             interval = getattr(found, name)
-            arrays[f"{axis}/{name}"] = [interval.lower, interval.upper]
+            if interval is not None:
+                arrays[f"{axis}/{name}"] = [interval.lower, interval.upper]
         for name in ("plain", "weighted"):
             triangle = getattr(found, name)
             if triangle is not None:
@@ -52,10 +53,13 @@ def parse_reduction(raw: bytes) -> dict[str, Whole]:
             if plain is None:
                 raise ValueError(f"lacks {axis}/plain")
             n, order, distinct, log_sd = (arrays[f"{axis}/{name}"].item() for name in _WHOLE)
-            domain, readings = (
-                Domain(*arrays[f"{axis}/{name}"].tolist()) for name in ("domain", "readings")
+            domain, readings, *across = (
+                Domain(*arrays[f"{axis}/{name}"].tolist())
+                for name in ("domain", "readings", "across")
+                if name != "across" or f"{axis}/across" in arrays.files
             )
+            weighted = triangle(f"{axis}/weighted")
             out[axis] = Whole(
-                n, order, domain, readings, distinct, plain, triangle(f"{axis}/weighted"), log_sd
+                n, order, domain, readings, distinct, plain, weighted, log_sd, *across
             )
     return out

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol
 
+import numpy as np
+
 from bayescal.arrays import Array, frozen
 from bayescal.comparison.criteria.goodness import GoodnessOfFit
 from bayescal.comparison.criteria.information import Criteria
@@ -21,7 +23,7 @@ from bayescal.comparison.families.models import (
 )
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.key import Key
-from bayescal.comparison.orders.axis import Axis
+from bayescal.comparison.orders.axis import Axis, residuals
 from bayescal.comparison.store import Store
 from bayescal.density.joint_data import JointData
 from bayescal.inference.sampled_posterior import SampledPosterior
@@ -82,9 +84,18 @@ class LinearPair:
         """What a candidate begins with."""
         return self.key, self.points, self.axes, self.wanted
 
+    @property
+    def reduced(self) -> bool:
+        """Whether these points are a sample, and all are known by their reduction."""
+        return self.axes[0].data.whole is not None
+
     def at(self, position: Array) -> dict[str, Any]:
         """Give what a result says at a camera position: least squares' residuals there."""
-        left = linear_residuals(self.points, self.axes, self.wanted.pair, position)
+        if self.reduced:  # of the sample, by the fit of all
+            pairs = zip(self.axes, self.wanted.pair, strict=True)
+            left = np.stack([residuals(axis.data, axis.fit(k)) for axis, k in pairs])
+        else:
+            left = linear_residuals(self.points, self.axes, self.wanted.pair, position)
         pixels = joint_data(self.axes).pixels
         return {"position": position, "pixels": pixels, "residuals": frozen(left)}
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -42,7 +42,7 @@ class ExactPair(LinearPair):
         rss = np.array([e.model.factors.rss(e.model.order) for e in (r, c)])
         count = r.model.size + c.model.size + sum(data.inferred)
         likelihood, place = Likelihood.of(data, rss, count), frozen(self.points.setup.position)
-        loos = self.r.left_out(store), self.c.left_out(store)
+        loos = [None if self.reduced else axis.left_out(store) for axis in (self.r, self.c)]
         return JointModel(
             key=self.key,
             log_evidence=r.log_integral + c.log_integral,
@@ -67,9 +67,10 @@ class ExactPair(LinearPair):
         )
 
     def linearised(self) -> Linearised:
-        """About its highest likelihood."""
+        """About its highest likelihood: of a sample, its own."""
         place = self.points.setup.position
-        return of_pair(self.points, self.axes, self.wanted.pair, np.array(place), free=False)
+        r, c = (replace(axis, data=axis.data.alone) for axis in self.axes)
+        return of_pair(self.points, (r, c), self.wanted.pair, np.array(place), free=False)
 
 
 @dataclass(frozen=True, eq=False)

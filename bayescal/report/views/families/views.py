@@ -185,7 +185,7 @@ def models(found: FamilyComparison, rest: str) -> Tabled:
     known = [m.criteria.bic for m in found.models if m.criteria.bic is not None]
     criteria = no_criteria(found)
     if known:
-        criteria = f"dBIC above {min(known):.2f}, n counts points ({len(found.points)})."
+        criteria = f"dBIC above {min(known):.2f}, n counts points ({found.points.n})."
     legend = (
         f"K counts what is inferred but tau; {criteria}",
         "elpd: leave-one-out, r and c of a point together; ± its standard error; d elpd against "
