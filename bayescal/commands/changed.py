@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     """Compare, print and write; return the exit code."""
     check_rows(options, options.first, options.second)
     if Path(options.first).resolve() == Path(options.second).resolve():
-        raise InputError(f"{options.first}: is given twice; a calibration is as it is")
+        raise InputError(f"{options.first}: is given twice; name two calibrations")
     if options.seed < 0:
         raise InputError(f"seed must be 0 or more, not {options.seed}")
     picture = None if options.figure is None else _picture(options)

@@ -73,7 +73,7 @@ class Verdict(ABC):
         withheld = _listed(self.withheld)
         if self.compared == 1:
             only = f"{self.subject} is the only {self.noun} compared"
-            return f"{only}, and {withheld}." if withheld else f"{only}."
+            return f"{only}; {withheld}." if withheld else f"{only}."
         open_ = f"{self.others} can't be excluded at 95%" if self.others else ""
         chance = percent(self.chances[0])
         if withheld:

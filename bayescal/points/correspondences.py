@@ -176,7 +176,7 @@ class Correspondences:
                 first = int(outside[0])
                 raise InputError(
                     f"{self.place(first)}: {axis} = {t[first]:g} px is far outside an image of "
-                    f"{size:g} px; mend the pixel, the image size or the direction of c"
+                    f"{size:g} px; correct the pixel, the image size or the direction of c"
                 )
         return t
 

@@ -46,14 +46,14 @@ def _behind(points: Correspondences, depth: Array) -> list[str]:
     if behind.size == len(depth):
         return [
             "every point lies behind the camera (z < 0): z counts the other way, or the camera's "
-            "z is wrong; mend the sign of z or state --camera-position X Y Z"
+            "z is wrong; correct the sign of z or state --camera-position X Y Z"
         ]
     places = [points.place(int(i)) for i in behind[:SHOWN]]
     rest = f" and {behind.size - SHOWN} more" if behind.size > SHOWN else ""
     one = behind.size == 1
     return [
         f"{counted(int(behind.size), 'point')} of {len(depth)} {'lies' if one else 'lie'} behind "
-        f"the camera (z < 0), where it sees nothing: {', '.join(places)}{rest}; mend the world "
+        f"the camera (z < 0), where it sees nothing: {', '.join(places)}{rest}; correct the world "
         f"coordinates of {'this row' if one else 'these rows'}, or --camera-position"
     ]
 

@@ -89,7 +89,7 @@ class Setup:
             object.__setattr__(self, "world_sigma", floats(self.world_sigma))
         if not all(abs(v) < LARGEST for v in self.position):
             raise InputError(
-                f"the camera position must be three finite numbers below {LARGEST:g}; mend it"
+                f"the camera position must be three finite numbers below {LARGEST:g}; correct it"
             )
         for name, size in (("width", self.width), ("height", self.height)):
             if size is not None and not 1 <= size <= LARGEST_PX:

@@ -64,7 +64,7 @@ def load_setup(path: str | Path) -> Setup:
     except tomllib.TOMLDecodeError as error:
         raise InputError(_not_toml(name, text, str(error))) from None
     except (RecursionError, ValueError):  # ValueError: more digits than Python converts
-        raise InputError(f"{name}: nested too deeply, or a number too long; mend it") from None
+        raise InputError(f"{name}: nested too deeply, or a number too long; correct it") from None
     return _Parser(name, text, document).setup()
 
 
@@ -73,7 +73,7 @@ def _not_toml(name: str, text: str, message: str) -> str:
     what, _, place = message.partition(" (at ")
     found = re.match(r"line (\d+)", place)
     line = int(found[1]) if found else text.rstrip().count("\n") + 1
-    return f"{name}:{line}: is not valid TOML: {what}; mend it"
+    return f"{name}:{line}: is not valid TOML: {what}; correct it"
 
 
 class _Parser:

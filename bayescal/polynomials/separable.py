@@ -40,7 +40,7 @@ def axis_data(points: Correspondences, axis: str) -> AxisData:
     if bad.size:
         raise InputError(
             f"{points.place(int(bad[0]))}: z is {points.world[bad[0], 2] + 0.0:g}, in the "
-            f"camera's plane, where {own.regressor} is infinite; remove the point or mend the "
+            f"camera's plane, where {own.regressor} is infinite; remove the point or correct the "
             "camera position"
         )
     t = points.checked_pixel(axis)

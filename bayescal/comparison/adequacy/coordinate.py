@@ -106,8 +106,8 @@ def _test(problem: Problem, name: str, added: Extension) -> AdequacyTest:
     own = unit if problem.data.sd is None else "deviations"
     sigmas = " to ".join(significant(s, 3) for s in (before, math.sqrt(added.rss / added.dof)))
     meaning = (
-        f"worth {significant(worth)} {unit} rms over the points (noise alone would feign "
-        f"{significant(noise)}), sigma goes from {sigmas} {own}."
+        f"worth {significant(worth)} {unit} rms over the points (noise alone would give "
+        f"{significant(noise)}), and sigma goes from {sigmas} {own}."
     )
     return AdequacyTest(name, "F", added.f, dof, float(fdtrc(*dof, added.f)), meaning)
 

@@ -67,7 +67,7 @@ def _test(problem: Problem, name: str, cells: IntArray, shared: str) -> Adequacy
     fitted = math.sqrt(problem.rss / problem.dof)
     unit = problem.unit if problem.data.sd is None else "deviations"
     says = (
-        f"{problem.what} misses more than noise, unless such points share errors"
+        f"{problem.what} leaves more than noise, unless such points share errors"
         if p < 0.05
         else "the difference is no more than chance"
     )

@@ -48,6 +48,6 @@ def surface(problem: Problem, place: Array) -> AdequacyTest:
     sigmas = " to ".join(significant(s, 3) for s in (before, after))
     meaning = (
         f"A surface of degree {degree} takes up {significant(worth)} {problem.unit} rms (noise "
-        f"alone would feign {significant(noise)}), sigma goes from {sigmas} {own}."
+        f"alone would give {significant(noise)}), and sigma goes from {sigmas} {own}."
     )
     return AdequacyTest(NAME, "F", value, (added.rank, added.dof), p, meaning)

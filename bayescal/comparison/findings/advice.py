@@ -9,7 +9,7 @@ from bayescal.comparison.finding import Finding
 OTHER_MODELS = "bayescal compare --family separable,bivariate,pinhole --position stated,free"
 # By the beginning of a finding's kind.
 ADVICE = {
-    "geometry": "mend the setup: camera position, c_from_bottom, the frame of the world points",
+    "geometry": "correct the setup: camera position, c_from_bottom, the frame of the world points",
     "another-model": OTHER_MODELS,
     "chi-squared": "check the stated sigma against --sigma inferred",
     "edge": "compare more orders (--orders, --radial-orders)",

@@ -22,7 +22,7 @@ FEW = 5
 # In a few words, by the beginning of a test's name.
 BECAUSE = {
     "chi2": "it does not describe the points to within the known sigma",
-    "lack of fit": "the order misses more than noise",
+    "lack of fit": "residuals exceed the noise",
     "other coordinate": "residuals depend on the other coordinate",
     "shared errors": "points share errors",
     "normality": "the noise is not normal",

@@ -74,4 +74,4 @@ def _further(verdict: LensVerdict) -> str:
     far = "an amount that can't be told"
     if verdict.beyond is not None:
         far = f"{significant(verdict.beyond)} px (95%)"
-    return f"Beyond the points they may part by {far}: photograph the target there."
+    return f"Beyond the points they may differ by {far}: photograph the target there."

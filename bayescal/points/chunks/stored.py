@@ -111,7 +111,8 @@ def _batch(source: str, start: int, found: Mapping[str, Any], setup: Setup) -> C
         except ValueError as error:  # of pyarrow's, where words stand for numbers
             why = " ".join(str(error).split())[:100]
             raise InputError(
-                f"{source}, rows {start + 1} to {start + len(column)}: {quantity}: {why}; mend it"
+                f"{source}, rows {start + 1} to {start + len(column)}: {quantity}: {why}; "
+                "correct it"
             ) from None
     return chunk_of(source, start, columns, setup, texts=texts)
 

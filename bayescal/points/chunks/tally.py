@@ -11,7 +11,7 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.points.notes import off_the_image
 from bayescal.rounding import grouped
 
-BEHIND = "behind the camera (z < 0), where it sees nothing; mend their world coordinates"
+BEHIND = "behind the camera (z < 0), where it sees nothing; correct their world coordinates"
 OFF = "off the image; check its size, or the readings"
 
 

@@ -159,7 +159,7 @@ def _records(name: str, lines: list[str], separator: str) -> Iterator[tuple[int,
                 yield start, fields
             start = reader.line_num + 1
     except csv.Error as error:
-        raise InputError(f"{name}:{start}: {error}; mend the line's quotes") from None
+        raise InputError(f"{name}:{start}: {error}; correct the line's quotes") from None
 
 
 def _words(line: str) -> tuple[str, ...]:

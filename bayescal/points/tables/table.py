@@ -76,7 +76,7 @@ def number(name: str, row: Row, column: str) -> float:
     try:
         value = float("not a number" if "_" in text else text)
     except ValueError:
-        raise InputError(f"{where}: {quoted(text)} where a number should be; mend it") from None
+        raise InputError(f"{where}: {quoted(text)} where a number should be; correct it") from None
     check_number(where, column, value)
     return value
 
@@ -99,6 +99,6 @@ def check_number(where: str, column: str, value: float) -> None:
             f"to {LARGEST_PX:g} px"
         )
     if column in "rc" and abs(value) >= LARGEST_PX:
-        raise InputError(f"{where}: is {value:g}; no pixel is that far out; mend it")
+        raise InputError(f"{where}: is {value:g}; no pixel is that far out; correct it")
     if abs(value) >= LARGEST:
         raise InputError(f"{where}: is {value:g}, too large; use other units")

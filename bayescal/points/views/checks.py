@@ -118,7 +118,7 @@ def _check_size(views: ViewRows, width: int, height: int) -> None:
         r, c = (f"{v:g}" for v in views.pixels[first])
         raise InputError(
             f"{views.place(first)}: r = {r}, c = {c} is far outside an image of {width} by "
-            f"{height} px; mend the pixel or the image size"
+            f"{height} px; correct the pixel or the image size"
         )
     share = np.bincount(views.view, weights=off, minlength=len(views)) / views.counts
     if share.max() > 0.5:

@@ -77,8 +77,9 @@ def _lines(found: Location) -> list[str]:
     lines = []
     if len(found) > SHOWN:
         lines.append(f"and {counted(len(found) - SHOWN, 'more pixel')} (--out FILE has all)")
+    units = "x, y, z and their sd: world units; sd" if found.surface is not None else "sd"
     lines.append(
-        "sd: by Monte Carlo over the posterior's draws (JCGM 101), with the pixel's noise."
+        f"{units}: by Monte Carlo over the posterior's draws (JCGM 101), with the pixel's noise."
     )
     usable = found.found
     if found.surface is None:

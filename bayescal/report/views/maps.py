@@ -89,8 +89,8 @@ def remarks(places: Sights, known: BoolArray, unknown: str) -> list[str]:
 
 def _lines(maps: ImageMaps) -> list[str]:
     lines = [
-        f"sd: of the mapping by {maps.chosen}, root mean square of r and c; new sd: of a new "
-        "measurement."
+        f"sd: of the mapping by {maps.chosen}, px, root mean square of r and c; new sd: of a new "
+        "measurement, px."
     ]
     inside = maps.epistemic[maps.places.inside & np.isfinite(maps.epistemic)]
     if inside.size:

@@ -98,7 +98,7 @@ def test_the_right_lens_is_decided_and_limits_withhold_nothing() -> None:
 def test_a_lens_alone_is_not_decided_but_has_its_findings(wrong: LensComparison) -> None:
     alone = replace(wrong.verdict, compared=1)
     assert (alone.status, alone.decided) == ("single", False)
-    assert alone.headline.startswith("radial 1 is the only lens compared, and")
+    assert alone.headline.startswith("radial 1 is the only lens compared; ")
     assert lenses_document(replace(wrong, verdict=alone), "x")["verdict"]["decided"] is False
 
 
@@ -117,4 +117,4 @@ def test_lenses_suffice_by_the_uncertainty_of_their_difference(
     assert f"{significant(most)} px where there are points (95%)" in verdict.headline
     assert "tolerance of 0.1 px" in verdict.headline
     simplest = "pinhole suffices there" in verdict.headline
-    assert simplest == ("may part by 1.0 px (95%)" in verdict.text) == (status == "suffices")
+    assert simplest == ("may differ by 1.0 px (95%)" in verdict.text) == (status == "suffices")

@@ -118,7 +118,7 @@ def test_many_are_counted_and_views_most_of_whose_points_are_off_are_named(
     assert found.text == (
         "34 of 324 points are further from where all the others put them than the errors allow "
         "(p < 0.01 over all points): view 6 (30 of its 54 points); view 2 point 1 by 10 px; "
-        "view 2 point 2 by 10 px and 2 more; look at the photographs, mend them or leave them "
+        "view 2 point 2 by 10 px and 2 more; look at the photographs, correct them or leave them "
         "out: --without 6"
     )
 

@@ -42,8 +42,8 @@ def test_a_loud_view_weighs_less_where_views_have_levels() -> None:
     assert own.posterior["fx"].sd < one.posterior["fx"].sd / 3
     assert abs(own.posterior["fx"].mean - boards.FOCAL[0]) < 4 * own.posterior["fx"].sd
     assert own.posterior["sigma"].mean == pytest.approx(0.1, rel=0.15)
-    assert any("far above the usual" in caveat for caveat in one.verdict.caveats)
-    assert not any("far above the usual" in caveat for caveat in own.verdict.caveats)
+    assert any("far larger than usual" in caveat for caveat in one.verdict.caveats)
+    assert not any("far larger than usual" in caveat for caveat in own.verdict.caveats)
 
 
 def test_an_aspect_ratio_or_focal_length_that_views_leave_open_is_said() -> None:

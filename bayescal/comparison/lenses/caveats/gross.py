@@ -45,7 +45,7 @@ def points_off(basis: Evidenced) -> Finding | None:
         f"{least}{len(off)} of {basis.views.n_points} points {'is' if one else 'are'} further from "
         f"where all the others put {'it' if one else 'them'} than the errors allow (p < 0.01 over "
         f"all points){'' if bad is None else ', and not taken for bad'}: {'; '.join(told)}{more}; "
-        f"look at the photograph{'' if one else 's'}, mend {'it' if one else 'them'} or leave "
+        f"look at the photograph{'' if one else 's'}, correct {'it' if one else 'them'} or leave "
         f"{'it' if one else 'them'} out: --without {shlex.quote(next(iter(named.values())))}"
     )
     if bad is None and not set(named.values()) & set(counts):

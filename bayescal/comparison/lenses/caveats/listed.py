@@ -40,7 +40,7 @@ def untrusted(basis: Evidenced) -> Finding | None:
     ]
     if not broken:
         return None
-    text = f"the evidence should not be trusted of {', '.join(broken)}"
+    text = f"the evidence of {', '.join(broken)} should not be trusted"
     return overturns("evidence", text, "an evidence should not be trusted")
 
 

@@ -96,7 +96,7 @@ def loud_views(basis: Evidenced) -> Finding | None:
     )
     return limits(
         "loud-views",
-        f"residuals of some views are far above the usual: {names}; see what is wrong there",
+        f"residuals of some views are far larger than usual: {names}; check these photographs",
     )
 
 
@@ -210,11 +210,11 @@ def sigma_unusual(basis: Evidenced) -> Finding | None:
     if total > high:
         return limits(
             "noise",
-            f"residuals of {significant(total)} px are more than a corner detector's usual "
-            f"{low:g} to {high:g} px: look for blur, wrong corners or a lens that none of these is",
+            f"residuals of {significant(total)} px are above a corner detector's usual {low:g} to "
+            f"{high:g} px: look for blur, wrong corners, or a lens that is not among these",
         )
     if sigma < low / 3:
         return limits(
-            "noise", f"a noise of {sigma:.2g} px is less than detectors have: check the points"
+            "noise", f"a noise of {sigma:.2g} px is below what detectors reach: check the points"
         )
     return None

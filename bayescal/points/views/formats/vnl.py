@@ -67,7 +67,7 @@ def read(source: Source) -> Views:
         if len(rows) != board.n_points:
             raise InputError(
                 f"{source.name}: {quoted(name)} has {len(rows)} corners and a board of {board} "
-                f"{board.n_points}; mend --board"
+                f"{board.n_points}; correct --board"
             )
     return _views(source, board, images, weighted)
 
@@ -103,7 +103,7 @@ def _corner(where: str, words: list[str], weighted: bool) -> tuple[float, float,
             f"{where}: {quoted(' '.join(words[1:]))} where numbers should be"
         ) from None
     if not (abs(r) < LARGEST_PX and abs(c) < LARGEST_PX and math.isfinite(last)):
-        raise InputError(f"{where}: is no pixel of any image; mend it")
+        raise InputError(f"{where}: is no pixel of any image; correct it")
     if r < 0 or c < 0 or last < 0 or (weighted and last == 0):
         return MISSING
     if weighted:

@@ -79,7 +79,8 @@ def treatments_table(axis: AxisOutliers) -> Table:
     columns = (
         Column("bad points"),
         Column("n", "points"),
-        *(Column(f"order {k}", f"log evidence of order {k}") for k in orders),
+        Column(f"order {orders[0]}", "log evidence of that order, and so on"),
+        *(Column(f"order {k}") for k in orders[1:]),
         Column("wins"),
         Column("prob.", "posterior probability of the order that wins"),
         Column("all orders", "log evidence of the noise model, orders equally probable"),
