@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from bayescal.api.given import resumed
 from bayescal.comparison.lenses.analysis import compare_lenses
 from bayescal.comparison.lenses.request import GAUSSIAN, LensRequest, checked_noise
@@ -19,8 +21,10 @@ from bayescal.points.views.views import Views
 from bayescal.rounding import grouped
 
 PER_VIEW = "per-view"
-# Points that are taken: they are held with all their slopes, some 13 kB each.
-MOST = 250_000
+# Points that are taken: they are held with their slopes, some 3 kB each.
+MOST = 1_000_000
+# Numbers of covariances of noise that neighbours share: half a GB.
+MOST_SHARED = 60_000_000
 
 
 def calibrate(
@@ -96,6 +100,8 @@ def calibrate(
             f"{views.source}: {grouped(views.n_points)} points are more than the "
             f"{grouped(MOST)} that fit into memory; take fewer views (--only, --without)"
         )
+    if not independent:
+        _check_shared(views)
     if alike(views):
         raise InputError(
             f"{views.source}: all views are alike, which tell no more of a lens than one does; add "
@@ -110,3 +116,18 @@ def calibrate(
     settings = Settings(sigma=known, seed=seed, ess=ess)
     store = resumed(resume, views, settings, request)
     return compare_lenses(views, request, settings, progress or (lambda _: None), store)
+
+
+def _check_shared(views: Views) -> None:
+    """Refuse views for which noise that neighbours share takes more memory than there may be."""
+    counts = np.bincount(views.view)
+    largest, count = int(counts.max()), len(counts)
+    if (counts == largest).all():
+        shown = views.corner[np.argsort(views.view, kind="stable")].reshape(count, -1)
+        count = 1 if (shown == shown[0]).all() else count
+    if max(count * largest**2, len(views.target) ** 2) > MOST_SHARED:
+        raise InputError(
+            f"{views.source}: {grouped(len(counts))} views of up to {grouped(largest)} points: the "
+            "noise that neighbours share does not fit into memory; take fewer points, or "
+            "independent noise (--independent)"
+        )

@@ -104,9 +104,19 @@ def test_bad_input_is_one_line(
     assert said.count("\n") == 1
 
 
-def test_more_points_than_memory_holds_are_refused_in_a_line() -> None:
-    x, y = (part.ravel().astype(float) for part in np.meshgrid(np.arange(500), np.arange(260)))
+def test_more_points_than_memory_holds_are_refused_in_a_line(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    x, y = (part.ravel().astype(float) for part in np.meshgrid(np.arange(50), np.arange(26)))
     world, pixels = np.column_stack([x, y, 0 * x]), np.column_stack([x + 100, y + 100])
     views = bc.Views.from_arrays([world] * 2, [pixels, pixels + 1], width=700, height=500)
-    with pytest.raises(bc.InputError, match=r"260,000 points are more than the 250,000 that fit"):
+    monkeypatch.setattr("bayescal.api.calibrate.MOST", 2000)
+    with pytest.raises(bc.InputError, match=r"2600 points are more than the 2000 that fit"):
         bc.calibrate(views)
+    monkeypatch.setattr("bayescal.api.calibrate.MOST", 2600)
+    monkeypatch.setattr("bayescal.api.calibrate.MOST_SHARED", 1300**2)
+    apart = bc.Views.from_arrays(
+        [world[1:], world[:-1]], [pixels[1:], pixels[:-1] + 1], width=700, height=500
+    )
+    with pytest.raises(bc.InputError, match=r"2 views of up to 1299 points: the noise that"):
+        bc.calibrate(apart)

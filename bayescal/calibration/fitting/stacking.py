@@ -49,6 +49,10 @@ class Poses:
         """Poses of some views."""
         return Poses(self.rotation[..., views, :, :], self.translation[..., views, :])
 
+    def between(self, views: slice) -> Poses:
+        """Poses of neighbouring views."""
+        return Poses(self.rotation[..., views, :, :], self.translation[..., views, :])
+
     def only_draw(self, draw: int) -> Poses:
         """Poses of one draw of many."""
         return Poses(self.rotation[draw], self.translation[draw])

@@ -8,16 +8,18 @@ section 4.1; Zhang 2000 (IEEE PAMI 22, 1330) for planes, section 7.1 for bodies.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
-from bayescal.arrays import Array
+from bayescal.arrays import Array, in_parts
 from bayescal.calibration.fitting.least_squares import Fit, least_squares
 from bayescal.calibration.fitting.stacking import Poses, residuals
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.calibration.model.observations import Observations
 
 FOCAL_LENGTHS = np.geomspace(0.2, 5.0, 14)  # widths
+AT_ONCE = 1_000_000  # numbers of pixels at which focal lengths are tried together
 TRIED = 3  # focal lengths whose fits are followed to the end
 FEW_STEPS = 8
 
@@ -40,7 +42,15 @@ def start_fit(model: LensModel, data: Observations) -> Fit:
 
 def _starts(model: LensModel, data: Observations) -> list[Fit]:
     """Poses for each focal length at which all points can be seen, the best first."""
-    focal, k = FOCAL_LENGTHS * data.size[0], np.array(model.lens.start)
+    found: list[Fit] = []
+    for focal in in_parts(FOCAL_LENGTHS * data.size[0], data.pixels.size, AT_ONCE):
+        found += _possible(model, data, focal)
+    return sorted(found, key=lambda fit: fit.sum_of_squares)
+
+
+def _possible(model: LensModel, data: Observations, focal: Array) -> Iterator[Fit]:
+    """Poses for some focal lengths at which all points can be seen."""
+    k = np.array(model.lens.start)
     plane = (data.pixels - model.middle) / focal[:, None, None, None]
     undistorted = model.lens.undistort(plane.reshape(-1, 2), k)
     possible = (undistorted.found.reshape(plane.shape[:-1]) | ~data.seen).all(axis=(1, 2))
@@ -54,8 +64,8 @@ def _starts(model: LensModel, data: Observations) -> list[Fit]:
     misfit, seen = residuals(model, data, x, poses)
     with np.errstate(over="ignore"):
         totals = np.where(seen, (misfit**2).sum(axis=(1, 2, 3)), np.inf)
-    order = [i for i in np.argsort(totals, kind="stable") if math.isfinite(totals[i])]
-    return [Fit(x[i], poses.only_draw(i), float(totals[i]), False) for i in order]
+    for i in np.flatnonzero(np.isfinite(totals)).tolist():
+        yield Fit(x[i], poses.only_draw(i), float(totals[i]), False)
 
 
 def poses_from_rays(data: Observations, rays: Array) -> Poses:

@@ -12,6 +12,7 @@ determinant of the poses' blocks is evaluated at x, the coupling by the offsets 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,6 +22,7 @@ from scipy.linalg import solve_triangular
 from bayescal.arrays import Array, IntArray, in_parts
 from bayescal.calibration.fitting.reduction import Reduced, Views, eliminate, pose_response, reduce
 from bayescal.calibration.fitting.stacking import Poses, Stacked, pose_slopes, residuals, stacked
+from bayescal.calibration.judging.by_views import ByViews
 from bayescal.calibration.judging.laplace import (
     ENOUGH,
     INFERRED,
@@ -214,17 +216,12 @@ class Problem:
         shared = self.shared.only(views, data.which.shape[1])
         return replace(self, data=data, poses=poses, shared=shared)
 
-    def products(self, terms: Array) -> Array:
-        """Products of terms of the residuals, poses and offsets at their best, ``(p, p)``.
-
-        Parameters
-        ----------
-        terms : Array
-            ``(p, n_views, n_places, 2)``: the sum of squares of c @ terms is c @ products @ c.
-        """
-        arranged, weighted, taken = self.taking.of(terms)
-        one, other = (np.moveaxis(a, 2, 0).reshape(len(terms), -1) for a in (arranged, weighted))
-        return np.asarray(one @ other.T - taken @ taken.T)
+    def between(self, views: slice) -> Problem:
+        """Give neighbouring views of it, their poses following the lens as they do in all."""
+        data, poses = self.data.between(views), self.poses.between(views)
+        found = replace(self, data=data, poses=poses, shared=self.shared.between(views))
+        found.__dict__["response"] = self.response[views]
+        return found
 
     @cached_property
     def form(self) -> Forms:
@@ -259,19 +256,27 @@ class Problem:
         return both_sides(self.log_det_of(self.slopes))
 
     @cached_property
-    def slopes(self) -> Array:
+    def slopes(self) -> ByViews:
         """By the poses a step up and down each axis, as of `pose_slopes`, ``(2 d, ...)``."""
         x = self.x + np.concatenate([self.spread.T, -self.spread.T])
-        return pose_slopes(self.model, self.data, x, self.poses_at(x))
 
-    def log_det_of(self, slopes: Array) -> Array:
+        def make(views: slice) -> Array:
+            part = self.between(views)
+            return pose_slopes(part.model, part.data, x, part.poses_at(x))
+
+        numbers = len(x) * 12 * self.data.which.shape[1]
+        return ByViews(make, self.data.n_views, numbers)
+
+    def log_det_of(self, slopes: Iterable[tuple[slice, Array]]) -> Array:
         """Log determinant of the poses' precisions less that at the reference, ``(n_draws,)``."""
-        v, n = self.data.which.shape
-        rows = slopes.reshape(-1, v, n, 12)
-        weighted = self.shared.apply(rows).reshape(-1, v, 2 * n, 6)
-        blocks = rows.reshape(-1, v, 2 * n, 6).swapaxes(2, 3) @ weighted
-        found = np.linalg.slogdet(blocks)[1].sum(axis=1) - self.views.log_det_poses.sum()
-        return np.where(np.isfinite(found), found, 0.0)
+        n, total = self.data.which.shape[1], -self.views.log_det_poses.sum()
+        for views, some in slopes:
+            v = some.shape[1]
+            rows = some.reshape(-1, v, n, 12)
+            weighted = self.shared.between(views).apply(rows).reshape(-1, v, 2 * n, 6)
+            blocks = rows.reshape(-1, v, 2 * n, 6).swapaxes(2, 3) @ weighted
+            total = total + np.linalg.slogdet(blocks)[1].sum(axis=1)
+        return np.where(np.isfinite(total), total, 0.0)
 
 
 def both_sides(values: Array) -> tuple[Array, Array]:

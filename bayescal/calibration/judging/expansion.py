@@ -11,6 +11,7 @@ step up and down along each axis, and at the corners between each two.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,6 +20,7 @@ from scipy.linalg import solve_triangular
 
 from bayescal.arrays import Array
 from bayescal.calibration.fitting.stacking import residuals
+from bayescal.calibration.judging.by_views import ByViews
 from bayescal.calibration.judging.density import Problem, at_steps, both_sides
 
 CHECKED = 30  # lenses where it is compared with the density
@@ -35,16 +37,16 @@ class Terms:
         Where u = 0, ``(dimension,)``.
     root : Array
         Steps of x for u = 1, ``(dimension, dimension)``, lower triangular.
-    values : Array
-        The e_k, ``(n_terms, n_views, n_places, 2)``.
-    slopes : Array
+    values : iterable of (slice, Array)
+        The e_k of some views at a time, ``(n_terms, n_views, n_places, 2)``.
+    slopes : iterable of (slice, Array)
         By the poses a step up and down each axis, ``(2 dimension, n_views, n_places, 2, 6)``.
     """
 
     x: Array
     root: Array
-    values: Array
-    slopes: Array
+    values: Iterable[tuple[slice, Array]]
+    slopes: Iterable[tuple[slice, Array]]
 
     @classmethod
     def of(cls, problem: Problem) -> Terms | None:
@@ -54,14 +56,29 @@ class Terms:
         ends = np.eye(d)
         u = np.concatenate([np.zeros((1, d)), ends, -ends, ends[one] + ends[other]])
         x = problem.x + u @ root.T
-        found, possible = residuals(problem.model, problem.data, x, problem.poses_at(x))
-        if not possible.all():
+
+        def make(views: slice) -> Array:
+            part = problem.between(views)
+            found, possible = residuals(part.model, part.data, x, part.poses_at(x))
+            if not possible.all():
+                raise _UnseenError
+            middle, up, down, corners = np.split(found, [1, d + 1, 2 * d + 1])
+            slope, bend = (up - down) / 2, (up + down) / 2 - middle
+            mixed = corners - up[one] - up[other] + middle
+            return np.concatenate([middle, slope, bend, mixed])
+
+        # On the way there are some three times as many numbers.
+        values = ByViews(make, problem.data.n_views, 6 * len(x) * problem.data.which.shape[1])
+        try:
+            for _ in values:
+                pass
+        except _UnseenError:
             return None
-        middle, up, down, corners = np.split(found, [1, d + 1, 2 * d + 1])
-        slope, bend = (up - down) / 2, (up + down) / 2 - middle
-        mixed = corners - up[one] - up[other] + middle
-        values = np.concatenate([middle, slope, bend, mixed])
         return cls(problem.x, root, values, problem.slopes)
+
+
+class _UnseenError(Exception):
+    """A point can't be seen from one of the lenses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +97,7 @@ class Expansion:
     @cached_property
     def _products(self) -> Array:
         """The matrix Q, ``(n_terms, n_terms)``."""
-        return self.problem.products(self.terms.values)
+        return products(self.problem, self.terms.values)
 
     @cached_property
     def _log_det_response(self) -> tuple[Array, Array]:
@@ -112,6 +129,26 @@ class Expansion:
         x = self.terms.x + rng.standard_normal((CHECKED, len(self.terms.x))) @ self.terms.root.T
         off = self.log_likelihood(x) - self.problem.log_likelihood(x)
         return bool(np.sqrt(np.mean(off**2)) <= NEAR)
+
+
+def products(problem: Problem, terms: Iterable[tuple[slice, Array]]) -> Array:
+    """Products of terms of the residuals, poses and offsets at their best, ``(p, p)``.
+
+    Parameters
+    ----------
+    terms : iterable of (slice, Array)
+        ``(p, n_views, n_places, 2)`` of some views at a time: the sum of squares of c @ terms is
+        c @ products @ c.
+    """
+    taking, whole, poses, pulled = problem.taking, np.zeros((1, 1)), [], None
+    for views, some in terms:
+        arranged, weighted, taken, pull = taking.of_views(views, some)
+        one, other = (np.moveaxis(a, 2, 0).reshape(len(some), -1) for a in (arranged, weighted))
+        whole = whole + one @ other.T
+        pulled = pull if pulled is None or pull is None else pulled + pull
+        poses.append(taken)
+    taken = taking.with_offsets(np.concatenate(poses, axis=1), pulled)
+    return np.asarray(whole - taken @ taken.T)
 
 
 def expanded(problem: Problem) -> Problem | Expansion:

@@ -43,28 +43,45 @@ class Taking:
         Poses and offsets take the square of that, ``(n_draws, 6 n_views + n_offsets)``, from
         e' R^-1 e.
         """
+        e, weighted, taken, pulled = self.of_views(slice(None), misfit)
+        return e, weighted, self.with_offsets(taken, pulled)
+
+    def of_views(self, views: slice, misfit: Array) -> tuple[Array, Array, Array, Array | None]:
+        """Give the first two of neighbouring views, what their poses take, and what then pulls.
+
+        What pulls at the target's points, ``(n_draws, 3 n_target)``, adds up over the views; None
+        without offsets.
+        """
         e = misfit.transpose(1, 3, 0, 2)
         inverse = self.shared.inverse
-        weighted = e if inverse is None else e @ inverse[:, None]
+        weighted = e if inverse is None else e @ inverse[views, None]
         # H = L L' of each pose: L^-1 P' R^-1 e.
-        slopes = self.stack.by_pose.swapaxes(1, 2) @ self.pose_whiteners.swapaxes(1, 2)[:, None]
+        whiteners = self.pose_whiteners[views].swapaxes(1, 2)[:, None]
+        slopes = self.stack.by_pose[views].swapaxes(1, 2) @ whiteners
         poses = (weighted @ slopes).sum(axis=1)
         taken = np.asarray(poses.swapaxes(0, 1).reshape(len(misfit), -1))
-        if self.root is not None:
-            pulled = self._pulled(weighted) - taken @ self._white_coupling
-            taken = np.concatenate([taken, pulled @ self._offset_whitener], axis=1)
-        return e, weighted, taken
+        if self.root is None:
+            return e, weighted, taken, None
+        coupling = self._white_coupling[views].reshape(taken.shape[1], -1)
+        return e, weighted, taken, self._pulled(views, weighted) - taken @ coupling
 
-    def _pulled(self, weighted: Array) -> Array:
+    def with_offsets(self, taken: Array, pulled: Array | None) -> Array:
+        """Add what offsets take to what the poses of all views do."""
+        if pulled is None:
+            return taken
+        return np.concatenate([taken, pulled @ self._offset_whitener], axis=1)
+
+    def _pulled(self, views: slice, weighted: Array) -> Array:
         """G' R^-1 e: what pulls at the target's points, ``(n_draws, 3 n_target)``."""
-        by_target = self.stack.by_target
-        pulled = np.zeros((weighted.shape[2], 3, len(self.data.target)))
+        by_target, data = self.stack.by_target[views], self.data
+        pulled = np.zeros((weighted.shape[2], 3, len(data.target)))
         for axis in range(3):
-            if self.data.alike:
+            if data.alike:
                 met = np.einsum("vasn,vna->sn", weighted, by_target[..., axis])
-                pulled[:, axis, self.data.which[0]] = met
+                pulled[:, axis, data.which[0]] = met
                 continue
-            for view, (which, seen) in enumerate(zip(self.data.which, self.data.seen, strict=True)):
+            seen_by = zip(data.which[views], data.seen[views], strict=True)
+            for view, (which, seen) in enumerate(seen_by):
                 met = np.einsum("asn,na->sn", weighted[view], by_target[view, ..., axis])
                 pulled[:, axis, which[seen]] += met[:, seen]
         return pulled.swapaxes(1, 2).reshape(len(pulled), -1)
@@ -76,9 +93,8 @@ class Taking:
 
     @cached_property
     def _white_coupling(self) -> Array:
-        """L^-1 P' R^-1 G of all poses, ``(6 n_views, 3 n_target)``."""
-        coupling = self.pose_whiteners @ self.views.pose_offset
-        return np.asarray(coupling.reshape(-1, coupling.shape[2]))
+        """L^-1 P' R^-1 G of each pose, ``(n_views, 6, 3 n_target)``."""
+        return np.asarray(self.pose_whiteners @ self.views.pose_offset)
 
     @cached_property
     def _offset_whitener(self) -> Array:

@@ -79,6 +79,12 @@ class Shared:
             return self
         return Shared(self.inverse[views][:, :n_places, :n_places], self.log_dets[views])
 
+    def between(self, views: slice) -> Shared:
+        """Noise within neighbouring views, every place kept."""
+        if self.inverse is None:
+            return self
+        return Shared(self.inverse[views], self.log_dets[views])
+
     def apply(self, values: Array) -> Array:
         """Multiply by the inverse, ``(..., n_views, n_places, k)``."""
         return values if self.inverse is None else np.asarray(self.inverse @ values)
@@ -116,8 +122,8 @@ class Geometry:
     @cached_property
     def distance(self) -> Array:
         """Between points of the target, ``(n_target, n_target)``."""
-        gap = self.data.target[:, None] - self.data.target[None]
-        return np.asarray(np.sqrt((gap**2).sum(axis=-1)))
+        target = self.data.target
+        return np.array([np.sqrt(((target - point) ** 2).sum(axis=-1)) for point in target])
 
     def shared(self, error: ErrorModel) -> Shared:
         """Noise within the views."""
@@ -136,14 +142,14 @@ class Geometry:
         kernel = correlated * np.exp(-self.distance / length)
         one = data.alike and data.n_views > 0
         which, seen = (data.which[:1], data.seen[:1]) if one else (data.which, data.seen)
-        covariance = kernel[which[:, :, None], which[:, None, :]]
-        covariance = covariance * (seen[:, :, None] & seen[:, None, :])
-        covariance = covariance + np.eye(which.shape[1])
-        root = np.linalg.cholesky(covariance)
-        log_det = 4 * np.log(np.diagonal(root, axis1=1, axis2=2)).sum(axis=1)
-        inverse = np.linalg.inv(covariance)
+        n = which.shape[1]
+        inverse, log_det = np.empty((len(which), n, n)), np.empty(len(which))
+        for view, (points, has) in enumerate(zip(which, seen, strict=True)):
+            covariance = kernel[np.ix_(points, points)] * (has[:, None] & has) + np.eye(n)
+            log_det[view] = 4 * np.log(np.diagonal(np.linalg.cholesky(covariance))).sum()
+            inverse[view] = np.linalg.inv(covariance)
         if one:
-            inverse = np.broadcast_to(inverse, (data.n_views, *inverse.shape[1:]))
+            inverse = np.broadcast_to(inverse, (data.n_views, n, n))
             log_det = np.broadcast_to(log_det, data.n_views)
         return Shared(inverse, log_det)
 

@@ -183,6 +183,16 @@ class Observations:
         """Give every view its level of noise, ``(n_views,)``."""
         return replace(self, weight=self.weight / levels[:, None, None], levels=levels)
 
+    def between(self, views: slice) -> Observations:
+        """Give the observations of neighbouring views, every place kept."""
+        return replace(
+            self,
+            which=self.which[views],
+            pixels=self.pixels[views],
+            weight=self.weight[views],
+            levels=None if self.levels is None else self.levels[views],
+        )
+
     def only(self, views: IntArray) -> Observations:
         """Give the observations of some views, in that order."""
         n = int(self.counts[views].max())

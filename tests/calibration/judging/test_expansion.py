@@ -10,6 +10,7 @@ import pytest
 
 from bayescal.calibration.fitting.reduction import eliminate, eliminate_independent, reduce
 from bayescal.calibration.fitting.stacking import pose_slopes, stacked
+from bayescal.calibration.judging import by_views
 from bayescal.calibration.judging.density import Problem
 from bayescal.calibration.judging.evidence import proposal, settled, weighed
 from bayescal.calibration.judging.expansion import NEAR, Expansion, Terms, expanded
@@ -141,10 +142,30 @@ def test_an_expansion_that_is_not_near_is_not_used() -> None:
     problem = partial_problem(WHITE)
     terms = Terms.of(problem)
     assert terms is not None
-    wrong = terms.values.copy()
+    ((views, values),) = terms.values
+    wrong = values.copy()
     wrong[1] += 0.3 * wrong[2]
     assert Expansion(problem, terms).near
-    assert not Expansion(problem, replace(terms, values=wrong)).near
+    assert not Expansion(problem, replace(terms, values=[(views, wrong)])).near
+
+
+@pytest.mark.parametrize("error", [WHITE, EVERYTHING])
+def test_some_views_at_a_time_are_all_at_once(
+    error: ErrorModel, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Sums over views in another order: to rounding of the sum of squares."""
+    problem = partial_problem(error)
+    whole = expanded(problem)
+    monkeypatch.setattr(by_views, "AT_ONCE", 1)
+    parts = expanded(replace(problem))
+    assert isinstance(whole, Expansion)
+    assert isinstance(parts, Expansion)
+    assert [len(some) for some in (list(whole.terms.values), list(parts.terms.values))] == [1, 6]
+    x = proposal(problem)[0].draw(np.random.default_rng(1), 50)
+    np.testing.assert_allclose(parts.squares(x), whole.squares(x), rtol=1e-9)
+    np.testing.assert_allclose(parts.log_likelihood(x), whole.log_likelihood(x), rtol=1e-9)
+    ours, theirs = (p.problem.log_likelihood(x) for p in (parts, whole))
+    np.testing.assert_allclose(ours, theirs, rtol=1e-10)
 
 
 @pytest.mark.parametrize("factor", [0.9, 1.1, np.nan])
@@ -153,7 +174,8 @@ def test_an_expansion_far_from_the_density_has_no_say(factor: float) -> None:
     problem = partial_problem(WHITE)
     terms = Terms.of(problem)
     assert terms is not None
-    wrong = Expansion(problem, replace(terms, values=factor * terms.values))
+    ((views, values),) = terms.values
+    wrong = Expansion(problem, replace(terms, values=[(views, factor * values)]))
     found, _, _ = weighed(wrong, np.random.default_rng(2), 500)
     truth, _, _ = weighed(problem, np.random.default_rng(3), 500)
     error = np.hypot(found.error, truth.error)
