@@ -9,6 +9,7 @@ import pytest
 from scipy import stats
 
 import bayescal as bc
+from bayescal.comparison.lenses.candidates import named_candidate
 from bayescal.errors import InputError
 from bayescal.prediction.calibrated.camera import CalibratedCamera
 from bayescal.prediction.calibrated.lens_member import LensMember
@@ -71,7 +72,8 @@ def of_a_lens(rng: np.random.Generator, narrow: float) -> CalibratedCamera:
     noise = NewNoise(np.zeros((300, 2)), np.empty((300, 2, 0)))
     seen = np.column_stack([columns.ravel(), rows.ravel()])
     alone = Estimate(mean, narrow * root, ((6, np.inf),))
-    member = replace(lens_member("radial 2", draws, hull, noise, seen), estimate=alone)
+    lens = lens_member(named_candidate("radial 2"), draws, hull, noise, seen)
+    member = replace(lens, estimate=alone)
     return CalibratedCamera(
         (member,), (1.0,), 1.0, False, (640, 480), False, hull, 10.0, "made"
     )  # fmt: skip

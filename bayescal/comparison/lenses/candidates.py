@@ -9,7 +9,6 @@ import numpy as np
 
 from bayescal.calibration.model.lens_model import LensModel
 from bayescal.cameras.lenses import LENSES, Lens, lens_named
-from bayescal.cameras.lenses.radial import radial
 from bayescal.comparison.key import Key
 from bayescal.errors import InputError
 
@@ -48,6 +47,10 @@ class Candidate:
         As tables show it.
     order : int or None
         Number of radial coefficients, where the family has orders.
+    lens_name : str
+        As `bayescal.cameras.lenses.lens_named` takes it.
+    options : dict
+        What else it takes.
     parents : tuple of str
         Names of candidates it contains: its fit may begin from theirs.
     """
@@ -56,7 +59,31 @@ class Candidate:
     family: str
     order: int | None
     lens: Lens
+    lens_name: str
+    options: dict[str, int | bool]
     parents: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        lens: str,
+        order: int | None = None,
+        options: dict[str, int | bool] | None = None,
+        *,
+        family: str = "",
+        parents: tuple[str, ...] = (),
+    ) -> Candidate:
+        """Make the lens; `family` is its own name by default.
+
+        Raises
+        ------
+        InputError
+            Where it has no such option or order.
+        """
+        given = options or {}
+        made = lens_named(lens, **given)
+        return cls(name, family or lens, order, made, lens, given, parents)
 
     def model(
         self, size: tuple[float, float], *, square: bool = False, centred: bool = False
@@ -68,35 +95,36 @@ class Candidate:
 def radial_candidates(order: int) -> list[Candidate]:
     """Radial lens of an order, without and with tangential terms."""
     if order == 0:
-        return [Candidate("pinhole", "radial", 0, radial(0, tangential=False))]
+        return [radial_candidate(0)]
+    return [radial_candidate(order), radial_candidate(order, tangential=True)]
+
+
+def radial_candidate(order: int, *, tangential: bool = False) -> Candidate:
+    """Radial lens of an order."""
+    name = "pinhole" if order == 0 else f"radial {order}"
     below = "pinhole" if order == 1 else f"radial {order - 1}"
-    plain = Candidate(f"radial {order}", "radial", order, radial(order, tangential=False), (below,))
-    parents = (f"radial {order}", *((f"radial {order - 1} + p",) if order > 1 else ()))
-    tangential = Candidate(
-        f"radial {order} + p", "radial", order, radial(order, tangential=True), parents
-    )
-    return [plain, tangential]
+    parents: tuple[str, ...] = (below,) if order else ()
+    if tangential:
+        parents = (name, f"{below} + p")[: min(order, 2)]
+        name = f"radial {order} + p"
+    options = {"order": order, "tangential": tangential}
+    return Candidate.of(name, "radial", order, options, parents=parents)
 
 
 def fisheye_candidate(order: int) -> Candidate:
     """Fisheye lens of an order."""
     parents = (f"fisheye {order - 1}",) if order else ()
-    lens = lens_named("fisheye", order=order)
-    return Candidate(f"fisheye {order}", "fisheye", order, lens, parents)
+    return Candidate.of(f"fisheye {order}", "fisheye", order, {"order": order}, parents=parents)
 
 
 def other_candidates() -> list[Candidate]:
     """Lens models without an order, or that are compared at one."""
-    return [
-        Candidate("division", "division", None, lens_named("division")),
-        Candidate("eucm", "eucm", None, lens_named("eucm")),
-        Candidate("double-sphere", "double-sphere", None, lens_named("double-sphere")),
-    ]
+    return [Candidate.of(name, name) for name in ("division", "eucm", "double-sphere")]
 
 
 def rational_candidate() -> Candidate:
     """OpenCV's eight coefficients, over the polynomial of three and tangential terms."""
-    return Candidate("opencv8", "rational", 3, lens_named("opencv8"), ("radial 3 + p",))
+    return Candidate.of("opencv8", "opencv8", 3, family="rational", parents=("radial 3 + p",))
 
 
 def named_candidates(names: Sequence[str]) -> list[Candidate]:
@@ -109,18 +137,19 @@ def named_candidates(names: Sequence[str]) -> list[Candidate]:
     """
     found: dict[str, Candidate] = {}
     for text in names:
-        for candidate in _named(text):
-            found.setdefault(candidate.name, candidate)
+        candidate = named_candidate(text)
+        found.setdefault(candidate.name, candidate)
     if not found:
         raise InputError("lens: none is named; leave it out to have them found")
     return list(found.values())
 
 
-def _named(text: str) -> list[Candidate]:
+def named_candidate(text: str) -> Candidate:
+    """Candidate of one name; errors as of `named_candidates`."""
     words = text.replace(":", " ").replace("+", " + ").split()
     name, rest = (words[0], words[1:]) if words else ("", [])
     if name == "pinhole" and not rest:
-        return radial_candidates(0)
+        return radial_candidate(0)
     if name not in LENSES:
         raise InputError(f"lens {text!r}: use pinhole, {', '.join(LENSES)}, with an order")
     tangential = "".join(rest[-2:]) == "+p"
@@ -134,17 +163,12 @@ def _named(text: str) -> list[Candidate]:
             f"lens {text!r}: give a name and an order, such as 'radial 2' or 'radial 2 + p'"
         )
     if text == rational_candidate().name:
-        return [rational_candidate()]
+        return rational_candidate()
     if not orders:
-        return [Candidate(name, name, None, lens_named(name))]
+        return Candidate.of(name, name)
     order = int(orders[0])
     if name == "radial":
-        lens = lens_named(name, order=order, tangential=tangential)
-        key = "pinhole" if order == 0 and not tangential else f"radial {order}{' + p' * tangential}"
-        known = radial_candidates(order) if order else []
-        parents = next((c.parents for c in known if c.name == key), ())
-        return [Candidate(key, "radial", order, lens, parents)]
+        return radial_candidate(order, tangential=tangential)
     if name == "fisheye":
-        lens_named(name, order=order)
-        return [fisheye_candidate(order)]
-    return [Candidate(f"{name} {order}", name, order, lens_named(name, order=order))]
+        return fisheye_candidate(order)
+    return Candidate.of(f"{name} {order}", name, order, {"order": order})

@@ -13,6 +13,7 @@ from bayescal.arrays import Array
 from bayescal.calibration.judging.averaging import ErrorAverage
 from bayescal.calibration.judging.laplace import UNTOLD, degrees
 from bayescal.calibration.model.lens_model import LensModel
+from bayescal.comparison.lenses.candidates import Candidate
 from bayescal.comparison.lenses.results import JudgedLens, LensComparison
 from bayescal.prediction.calibrated.camera import CalibratedCamera, normalised
 from bayescal.prediction.calibrated.draws import mapped, thinned
@@ -37,7 +38,8 @@ def lens_camera(found: LensComparison) -> CalibratedCamera:
     members: list[LensMember] = []
     for judged, rng in zip(plausible, children, strict=True):
         theta = _lens_draws(found, judged, rng)
-        made = lens_member(judged.name, theta, hull, _noise(found, judged, rng), seen, members[:1])
+        noise = _noise(found, judged, rng)
+        made = lens_member(judged.candidate, theta, hull, noise, seen, members[:1])
         members.append(replace(made, estimate=_estimate(found, judged)))
     weights = [judged.probability for judged in plausible]
     return CalibratedCamera(
@@ -55,7 +57,7 @@ def lens_camera(found: LensComparison) -> CalibratedCamera:
 
 
 def lens_member(
-    key: str,
+    lens: Candidate,
     theta: Array,
     hull: Array,
     noise: NewNoise,
@@ -66,8 +68,8 @@ def lens_member(
 
     Parameters
     ----------
-    key : str
-        As tables name the lens.
+    lens : Candidate
+        Which, as it was compared.
     theta : Array
         ln fx, ln fy, cx, cy, coefficients, ``(n_draws, d)``.
     hull : Array
@@ -77,8 +79,8 @@ def lens_member(
     reference : sequence of LensMember
         One whose mean's frame is taken; none for the lens's own.
     """
-    name, options = named(key)
-    plain = LensMember(key, name, options, None, None, hull, Parameters.of_draws(theta), noise)
+    parameters = Parameters.of_draws(theta)
+    plain = LensMember(lens.name, lens.lens_name, lens.options, None, None, hull, parameters, noise)
     base = reference[0] if reference else plain
     sight = base.rays(base.parameters.mean[None], seen[None], None)
     known = sight.found[0]
@@ -151,13 +153,3 @@ def _noise(found: LensComparison, judged: JudgedLens, rng: np.random.Generator) 
     total = np.log(np.hypot(level[:, 0], level[:, 1]))
     both, none = np.column_stack([total, total]), np.empty((KEPT, 2, 0))
     return NewNoise(both, none, neighbours=level if level[:, 1].any() else None)
-
-
-def named(key: str) -> tuple[str, dict[str, int | bool]]:
-    """Name and options of a lens as tables show it: "radial 2 + p", "fisheye 3", "eucm"."""
-    if key == "pinhole":
-        return "radial", {"order": 0, "tangential": False}
-    words = key.split()
-    if words[0] == "radial":
-        return "radial", {"order": int(words[1]), "tangential": words[-1] == "p"}
-    return words[0], {"order": int(words[1])} if len(words) > 1 else {}
