@@ -24,6 +24,7 @@ from bayescal.prior.camera import position_prior
 from bayescal.rounding import counted
 
 FAR = 3.0  # standard deviations
+MATTERS = 0.01  # least probability of a model whose faults limit the verdict
 
 
 def family_findings(
@@ -57,55 +58,72 @@ def _limits(
     bounds: Mapping[str, tuple[float, float]],
 ) -> list[str]:
     """Say what limits the verdict without standing against it."""
-    chances = [m.probability or 0.0 for m in models]
-    out: list[str] = []
-    matter = [model for model, chance in zip(models, chances, strict=True) if chance >= 0.01]
+    best, matter = models[0], [m for m in models if (m.probability or 0.0) >= MATTERS]
+    found: list[str] = []
     for model in matter:
-        out += [f"the evidence of {model.key}: {warning}" for warning in model.warnings]
-        out += _at_bounds(model, bounds) if model is not models[0] else []
+        found += [f"the evidence of {model.key}: {warning}" for warning in model.warnings]
+        found += _at_bounds(model, bounds) if model is not best else []
         if model.posterior is not None and not model.posterior.converged:
-            out.append(f"sampling of {model.key} did not reach the stopping rule")
-    heavy = [str(m.key) for m in matter if m.loo is not None and (m.loo.largest_k or 0.0) > 1]
+            found.append(f"sampling of {model.key} did not reach the stopping rule")
+    found += _few_draws(matter)
+    found += _displaced(points, matter)
+    if best.camera is not None and best.posterior is not None:
+        found += _far_optics(best.camera, best.posterior.full[:, -1])
+    return [*found, *_default_priors(points, models), *_predicts_better(models)]
+
+
+def _few_draws(models: Sequence[JointModel]) -> Iterator[str]:
+    """Say whose leave-one-out rests on few draws."""
+    heavy = [str(m.key) for m in models if m.loo is not None and (m.loo.largest_k or 0.0) > 1]
     if heavy:
         rest = f"; and of {counted(len(heavy) - 3, 'other')}" if len(heavy) > 3 else ""
-        out.append(
-            f"leave-one-out rests on few draws (Pareto k > 1) for {'; '.join(heavy[:3])}{rest}"
+        yield f"leave-one-out rests on few draws (Pareto k > 1) for {'; '.join(heavy[:3])}{rest}"
+
+
+def _displaced(points: Correspondences, models: Sequence[JointModel]) -> Iterator[str]:
+    """Say where the camera is found far from where it is stated."""
+    free = next((m for m in models if m.key.position == FREE), None)
+    if free is None:
+        return
+    prior = position_prior(points)
+    shift = np.abs(free.position - prior.mean) / np.hypot(prior.sd, free.position_sd)
+    if shift.max() > FAR:
+        yield (
+            f"the position found is {shift.max():.1f} sds, of prior and points together, from "
+            "the stated one: prior and data disagree; AIC, BIC and chi-squared know no prior "
+            "and are the found one's"
         )
-    best = models[0]
-    free = next((m for m in matter if m.key.position == FREE), None)
-    if free is not None:
-        prior = position_prior(points)
-        shift = np.abs(free.position - prior.mean) / np.hypot(prior.sd, free.position_sd)
-        if shift.max() > FAR:
-            out.append(
-                f"the position found is {shift.max():.1f} sds, of prior and points together, from "
-                "the stated one: prior and data disagree; AIC, BIC and chi-squared know no prior "
-                "and are the found one's"
-            )
-    if best.camera is not None and best.posterior is not None:
-        out += _far_optics(best.camera, best.posterior.full[:, -1])
-    pinholes = sum(p for m, p in zip(models, chances, strict=True) if m.key.family == PINHOLE)
+
+
+def _default_priors(points: Correspondences, models: Sequence[JointModel]) -> Iterator[str]:
+    """Say which priors are defaults that an evidence depends on."""
+    pinholes = sum(m.probability or 0.0 for m in models if m.key.family == PINHOLE)
     if points.setup.camera.orientation_sd is None and 0.001 < pinholes < 0.999:
         # Three normal densities again; the polynomials take the orientation for exact.
-        out.append(
+        yield (
             "the evidence of the pinholes depends on the sd of their orientation's prior, which is "
             f"a default: half as wide could gain them up to {3 * math.log(2):.1f} nat; the setup's "
             "orientation_sd sets it"
         )
     if {m.key.position for m in models} == {STATED, FREE} and not position_prior(points).stated:
         # Three normal densities of twice the width are an eighth as high at the most.
-        out.append(
+        yield (
             "the evidence of a free position depends on its prior's sd, which is a default: "
             f"twice as wide would cost it up to {3 * math.log(2):.1f} nat; the setup's position_sd "
             "sets it"
         )
+
+
+def _predicts_better(models: Sequence[JointModel]) -> Iterator[str]:
+    """Say which model leave-one-out prefers to the most probable one, clearly."""
+    best = models[0].loo
+    if best is None or not best.reliable:
+        return
     known = [(m.loo, m.key) for m in models if m.loo is not None and m.loo.reliable]
-    if best.loo is not None and best.loo.reliable:
-        ahead, name = max(known, key=lambda pair: pair[0].elpd)
-        total, se = paired_difference(ahead, best.loo)
-        if total > max(4.0, 2 * se):
-            out.append(f"leave-one-out prefers {name}, by {total:.1f} ± {se:.1f}")
-    return out
+    ahead, name = max(known, key=lambda pair: pair[0].elpd)
+    total, se = paired_difference(ahead, best)
+    if total > max(4.0, 2 * se):
+        yield f"leave-one-out prefers {name}, by {total:.1f} ± {se:.1f}"
 
 
 def _at_bounds(model: JointModel, bounds: Mapping[str, tuple[float, float]]) -> list[str]:
