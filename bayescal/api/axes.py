@@ -52,19 +52,28 @@ def compare(
         Folder that keeps what was sampled without a closed form as soon as it is: called again
         with the same arguments after an interruption, it goes on from there.
     progress : callable, optional
-        Called with axis and order before each model is sampled, and with what is done and 0
-        before what is no order's.
+        Called with axis and order before each model is sampled; before other work with its
+        name and 0.
     **options : Options
         Of noise, prior and sampling: see `bayescal.comparison.settings.Settings`.
 
     Returns
     -------
     Comparison
+        One comparison per axis, as ``result["r"]``; ``result["r"].verdict`` is the answer,
+        ``result["r"][4]`` an order. ``to_dataframe()``, ``summary()``, ``covariance()`` and
+        ``to_arviz()`` convert it.
 
     Raises
     ------
     InputError
         Where the points can't determine an order, or a setting is not usable.
+
+    Notes
+    -----
+    Strength of evidence: Kass & Raftery 1995. Evidence and posterior have a closed form under
+    Gaussian noise (Bishop 2006, 3.3, 3.5); draws are emcee's (Foreman-Mackey et al. 2013).
+    docs/method.md has every equation.
     """
     return compared(
         points,

@@ -65,7 +65,7 @@ def calibrate(
     square, centred : bool, optional
         Hold fx = fy; hold the principal point in the middle of the image.
     seed : int, optional
-        Of all randomness.
+        Seed of the random numbers.
     ess : int, optional
         Effective samples wanted of every parameter.
     resume : str or Path, optional
@@ -77,11 +77,18 @@ def calibrate(
     Returns
     -------
     LensComparison
+        Lenses, the most probable first; ``verdict`` is the answer, the recommended lens's posterior
+        is in ``summary()``, ``covariance()`` and ``to_arviz()``.
 
     Raises
     ------
     InputError
         Where an option can't be used, or no lens can be fitted.
+
+    Notes
+    -----
+    Poses and the target's offsets are eliminated by Schur complements, and the evidence comes from
+    importance sampling; docs/method.md, *Many views*, has every step.
     """
     checked_noise(noise)
     known = None if sigma in ("inferred", PER_VIEW) else sigma

@@ -73,8 +73,8 @@ def predict(source: Any, world: Any, *, average: bool | None = None) -> Any:
     Returns
     -------
     Prediction or DataFrame
-        Means and deviations of the mapping and of a new measurement, px. For a data frame its
-        rows with the columns that ``bayescal predict`` writes.
+        Means and standard deviations of the mapping and of a new measurement, px. For a data
+        frame its rows with the columns that ``bayescal predict`` writes.
 
     Raises
     ------
@@ -112,14 +112,14 @@ def locate(
     average : bool, optional
         As in `camera`.
     seed : int, optional
-        Of the draws of noise and depth.
+        Seed of the draws of noise and depth.
 
     Returns
     -------
     Location or DataFrame
-        Means and deviations by Monte Carlo and by linear propagation, world units, or unit vectors
-        without depth and plane. For a data frame its rows with the columns that ``bayescal
-        locate`` writes.
+        Means and standard deviations by Monte Carlo (JCGM 101:2008) and by linear propagation
+        (JCGM 100:2008): points in world units or, without depth and plane, unit vectors. For a
+        data frame its rows with the columns that ``bayescal locate`` writes.
 
     Raises
     ------
@@ -200,7 +200,7 @@ def locate_target(
     sigma : float, optional
         Sd of these pixels, px; by default that of the calibration's noise.
     seed : int, optional
-        Of the noise's draws.
+        Seed of the noise's draws.
 
     Returns
     -------

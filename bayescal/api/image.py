@@ -30,8 +30,8 @@ def image_maps(source: Any, *, columns: int = 33, rows: int = 25) -> ImageMaps:
     Returns
     -------
     ImageMaps
-        Deviations of the mapping, of a new measurement and averaged, differences of the models,
-        px; `bayescal.plot` draws them (``"sd-map"``, ``"difference-map"``).
+        Standard deviations of the mapping, of a new measurement and averaged, and differences of
+        the models, px; `bayescal.plot` draws them (``"sd-map"``, ``"difference-map"``).
     """
     return maps_of(camera(source), columns=columns, rows=rows)
 
@@ -45,13 +45,13 @@ def changed(first: Any, second: Any, *, average: bool | None = None, seed: int =
     average : bool, optional
         As in `camera`, of both.
     seed : int, optional
-        Of the pairing of the draws.
+        Seed of the pairing of the draws.
 
     Returns
     -------
     Change
-        How far predictions lie apart over the image, px, and how often two calibrations of one
-        camera would lie so far apart.
+        How far predictions lie apart over the image, px, and the p-value: the probability of
+        differences at least as large in a camera that did not change.
 
     Raises
     ------

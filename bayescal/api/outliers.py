@@ -67,11 +67,17 @@ def outliers(
     Returns
     -------
     OutlierStudy
+        Per axis every point's residual, leverage, Cook's distance, chi-squared rejection and
+        probability of being bad, and the orders under each treatment of bad points.
 
     Raises
     ------
     InputError
         Where the points can't determine an order, or a setting is not usable.
+
+    Notes
+    -----
+    The mixture of good and bad points is that of Hogg, Bovy & Lang 2010, arXiv:1008.4686.
     """
     wanted = checked_orders(orders)
     settings = Settings(sigma, prior, tau, seed, ess)

@@ -166,7 +166,7 @@ class Comparison(ByAxis[AxisComparison]):
 
     @property
     def seed(self) -> int:
-        """Of all randomness."""
+        """Seed of the random numbers."""
         return self.settings.seed
 
     @property

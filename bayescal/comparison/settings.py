@@ -36,7 +36,7 @@ class Settings:
         Fixes the strength of the non-linearity of the field prior, as a fraction of the
         image; by default it is inferred.
     seed : int, optional
-        Of all randomness.
+        Seed of the random numbers.
     ess : int, optional
         Effective samples wanted of every parameter.
     defend : bool, optional
