@@ -120,6 +120,8 @@ def test_depth_counts_in_proportion(cameras):
     pixels = predict(camera, world).mean
     sd = 2.0
     found = locate(camera, pixels, surface=Surface((0, 0, 1), AT, sd))
+    np.testing.assert_allclose(found.values[:, 2], AT, rtol=1e-12)  # not off by a draw's error
+    np.testing.assert_allclose(found.sd[:, 2], sd, rtol=2e-3)  # of 1000 quantiles
     np.testing.assert_allclose(found.parts["depth"], sd * np.abs(world) / AT, rtol=0.02, atol=0.01)
     apart = distances(camera, pixels[:1], pixels[1:2], Surface((0, 0, 1), AT, sd))
     length = float(np.linalg.norm(world[0] - world[1]))
