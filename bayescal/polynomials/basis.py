@@ -9,9 +9,12 @@ raw monomials are solved for).
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from operator import mul
 from typing import Protocol
 
 import numpy as np
@@ -197,13 +200,21 @@ def apply_exactly(exact: list[list[Fraction]], amplitudes: Array) -> Array:
         ``(p,)``, or ``(p, m)`` column by column.
     """
     size = len(amplitudes)
-    rows = [row[:size] for row in exact[:size]]
-    columns = np.reshape(amplitudes, (size, -1)).T
+    rows = [_integers(row[:size]) for row in exact[:size]]
+    columns = [_integers(column) for column in np.reshape(amplitudes, (size, -1)).T.tolist()]
+    # Sums of integers, divided once: Python rounds a quotient of integers correctly.
     mapped = [
-        [float(sum(m * Fraction(b) for m, b in zip(row, column, strict=True))) for row in rows]
-        for column in columns.tolist()
+        [sum(map(mul, row, column)) / (whole * part) for row, whole in rows]
+        for column, part in columns
     ]
     return np.array(mapped).T.reshape(amplitudes.shape)
+
+
+def _integers(numbers: Sequence[float | Fraction]) -> tuple[list[int], int]:
+    """Numerators of numbers over a common denominator, and it."""
+    ratios = [number.as_integer_ratio() for number in numbers]
+    whole = math.lcm(*(below for _, below in ratios))
+    return [above * (whole // below) for above, below in ratios], whole
 
 
 def _product(a: list[Fraction], b: list[Fraction]) -> list[Fraction]:
