@@ -30,11 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Fit, print and write; return the exit code."""
     if options.radial is not None and options.family != "pinhole":
-        raise InputError("--radial is of a pinhole: add --family pinhole, or leave it out")
+        raise InputError("--radial belongs to a pinhole: add --family pinhole, or leave it out")
     if options.family is not None or options.position is not None:
         return _joint(options)
     if options.opencv is not None:
-        raise InputError("--opencv is of a pinhole: add --family pinhole")
+        raise InputError("--opencv belongs to a pinhole: add --family pinhole")
     if options.order_r is None and options.order_c is None:
         raise InputError("fit: give --order-r, --order-c or both")
     from bayescal.api.axes import fit

@@ -262,7 +262,9 @@ def generic_axis(x: Array, y: Array, sd: Array | None = None, source: str = "x a
     """
     x, y = frozen(x), frozen(y)
     if x.ndim != 1 or x.shape != y.shape or len(x) == 0:
-        raise InputError(f"x and y must be one-dimensional alike, not {x.shape} and {y.shape}")
+        raise InputError(
+            f"x and y must be one-dimensional and equally long, not {x.shape} and {y.shape}"
+        )
     if sd is not None:
         sd = frozen(np.broadcast_to(sd, y.shape))
         if not ((sd > 0) & np.isfinite(sd)).all():

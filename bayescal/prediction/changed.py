@@ -91,6 +91,11 @@ class Change:
     posed: bool
     hull: Array
 
+    def __repr__(self) -> str:
+        return (
+            f"<Change: p = {self.p_value:.2g}, {self.rms:.2g} px rms, at most {self.bound:.2g} px>"
+        )
+
     @property
     def extrapolated(self) -> BoolArray:
         """Which places one of the two reaches only by going beyond its points, ``(n,)``."""

@@ -19,6 +19,7 @@ from bayescal.prediction.measuring import (
     monte_carlo,
     summaries,
 )
+from bayescal.rounding import counted
 
 MONTE_CARLO = 3 / np.sqrt(2 * KEPT)  # of an sd: three standard errors
 APART = 0.05 + MONTE_CARLO  # relative difference from linear propagation that is told
@@ -68,6 +69,11 @@ class Location:
     outside: BoolArray
     surface: Surface | None
     probability: float = PROBABILITY
+
+    def __repr__(self) -> str:
+        what = "directions" if self.surface is None else "points"
+        pixels = counted(len(self.values), "pixel")
+        return f"<Location: {what} of {pixels}, {int(self.found.sum())} found>"
 
     @property
     def found(self) -> BoolArray:

@@ -105,6 +105,11 @@ class ImageMaps:
     chosen: str
     named: ImageMaps | None
 
+    def __repr__(self) -> str:
+        rows, columns = self.shape
+        told = f"{rows} rows of {columns}" if self.named is not None else "named places"
+        return f"<ImageMaps: {told}, by {self.chosen}, {len(self.differences)} other models>"
+
     @property
     def extrapolated(self) -> BoolArray:
         """Which places the model reaches only by going beyond its points, ``(n,)``."""

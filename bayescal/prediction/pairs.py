@@ -27,6 +27,7 @@ from bayescal.prediction.measuring import (
     summaries,
     weighted_quantile,
 )
+from bayescal.rounding import counted
 
 # Ends 2.45 sd of their difference apart, as far as 95 % of measurements of one point lie from each
 # other, have over the noise of the draws a mean of 2.8 deviations (Rice's distribution).
@@ -65,6 +66,10 @@ class Distances:
     share: Array
     parts: dict[str, Array]
     probability: float = PROBABILITY
+
+    def __repr__(self) -> str:
+        told = f"{int(self.found.sum())} found, {int(self.certain.sum())} with U"
+        return f"<Distances of {counted(len(self.values), 'pair')}: {told}>"
 
     @property
     def found(self) -> BoolArray:

@@ -89,7 +89,7 @@ def test_a_lens_that_a_format_lacks_and_odd_views_are_said(
         (["--sigma", "-1"], "a positive number of px, not -1"),
         (["--sigma", "replicates"], "a positive number of px, not replicates"),
         (["nowhere.csv"], "nowhere.csv"),
-        (["--board", "9x6"], "--board is of a file of views, and none is named"),
+        (["--board", "9x6"], "--board says how a file of views is read"),
         (["--camera", "ply", "c"], "no format is called 'ply'"),
         (["--camera", "ros", "c", "--camera", "opencv", "c"], "two outputs name the same file"),
         (["--camera", "ros", "no/folder/c"], "there is no folder"),

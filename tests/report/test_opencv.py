@@ -110,7 +110,7 @@ def test_least_squares_are_those_of_calibrate_camera():
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        (["--order-r", "1", "--order-c", "1"], "--opencv is of a pinhole"),
+        (["--order-r", "1", "--order-c", "1"], "--opencv belongs to a pinhole"),
         (["--family", "bivariate", "--order", "1"], "a pinhole, not bivariate"),
         (["--family", "pinhole", "--order", "4"], "order 0 to 3"),
         (["--family", "pinhole", "--order", "1", "--opencv", "-"], "name a file"),

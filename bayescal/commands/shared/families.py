@@ -57,7 +57,7 @@ def families_of(options: argparse.Namespace, command: str) -> dict[str, Any] | N
     families = list(options.family or ["separable"])
     if given and "pinhole" not in families:
         option = "--" + next(iter(given)).replace("_", "-")
-        raise InputError(f"{option} is of a pinhole: add --family pinhole, or leave it out")
+        raise InputError(f"{option} belongs to a pinhole: add --family pinhole, or leave it out")
     if options.family is None and options.position is None:
         return None
     if options.axis not in (None, "both"):

@@ -208,7 +208,7 @@ def files(options: argparse.Namespace) -> tuple[str | None, str | None]:
     pair = (options.world, options.pixels)
     if pair == (None, None):
         if options.points is None and (options.columns or options.view):
-            raise InputError("--columns and --view are of a file; name it")
+            raise InputError("--columns and --view say how a file is read; name the file")
         return options.points, None
     if None in pair or options.points is not None:
         raise InputError("give --world and --pixels together, and no other file of points")

@@ -90,4 +90,4 @@ def refuse_said(options: argparse.Namespace) -> None:
     for name in ("board", "square", "columns", "only", "setup", "image_width", "image_height"):
         if getattr(options, name) is not None:
             option = f"--{name.replace('_', '-')}"
-            raise InputError(f"{option} is of a file of views, and none is named; name it")
+            raise InputError(f"{option} says how a file of views is read; name the file")

@@ -241,7 +241,7 @@ def test_what_are_no_points_gets_one_line(wrong: object) -> None:
     [
         (["--world", "w.csv"], "give --world and --pixels together"),
         (["p.csv", "--world", "w.csv", "--pixels", "p.csv"], "and no other file of points"),
-        (["--columns", "x=1"], "--columns and --view are of a file; name it"),
+        (["--columns", "x=1"], "--columns and --view say how a file is read; name the file"),
         (["w.csv", "--columns", "x=q"], "w.csv:1: no column 'q', stated for x"),
         (["w.csv", "--view", "a"], "w.csv: has no column of views; leave out --view"),
     ],
