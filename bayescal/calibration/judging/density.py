@@ -213,7 +213,7 @@ class Problem:
     def only(self, views: IntArray) -> Problem:
         """Give the same lens under the same error model for some of the views."""
         data, poses = self.data.only(views), self.poses.only(views)
-        shared = self.shared.only(views, data.which.shape[1])
+        shared = self.shared.only(views, self.data.places_of(views))
         return replace(self, data=data, poses=poses, shared=shared)
 
     def between(self, views: slice) -> Problem:

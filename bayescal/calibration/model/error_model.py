@@ -73,11 +73,13 @@ class Shared:
         """Log determinant over all views."""
         return float(self.log_dets.sum())
 
-    def only(self, views: IntArray, n_places: int) -> Shared:
-        """Noise within some views, of their first places: the others are empty."""
+    def only(self, views: IntArray, places: IntArray) -> Shared:
+        """Noise within some views, of places that hold all they see, ``(n_some, n_kept)``."""
         if self.inverse is None:
             return self
-        return Shared(self.inverse[views][:, :n_places, :n_places], self.log_dets[views])
+        rows, columns = places[:, :, None], places[:, None, :]
+        inverse = self.inverse[np.asarray(views)[:, None, None], rows, columns]
+        return Shared(inverse, self.log_dets[views])
 
     def between(self, views: slice) -> Shared:
         """Noise within neighbouring views, every place kept."""

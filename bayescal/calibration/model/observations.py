@@ -193,11 +193,14 @@ class Observations:
             levels=None if self.levels is None else self.levels[views],
         )
 
+    def places_of(self, views: IntArray) -> IntArray:
+        """Places that some views keep by themselves, those seen first, ``(n_some, n_kept)``."""
+        n = int(self.counts[views].max())
+        return np.argsort(~self.seen[views], axis=1, kind="stable")[:, :n]
+
     def only(self, views: IntArray) -> Observations:
         """Give the observations of some views, in that order."""
-        n = int(self.counts[views].max())
-        kept = np.argsort(~self.seen[views], axis=1, kind="stable")[:, :n]
-        at = np.asarray(views)[:, None], kept
+        at = np.asarray(views)[:, None], self.places_of(views)
         levels = None if self.levels is None else self.levels[views]
         return replace(
             self,

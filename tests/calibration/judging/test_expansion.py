@@ -60,10 +60,16 @@ def test_sum_of_squares_where_views_lack_points(error: ErrorModel) -> None:
     assert problem.reduced.sum_of_squares == pytest.approx(truth, rel=1e-9)
 
 
+@pytest.mark.parametrize("holes", [False, True])
 @pytest.mark.parametrize("error", [WHITE, EVERYTHING])
-def test_normal_equations_without_a_view(error: ErrorModel) -> None:
-    """Truth: those of the other views alone."""
+def test_normal_equations_without_a_view(error: ErrorModel, holes: bool) -> None:
+    """Truth: those of the other views alone; holes are bad points that are left out."""
     problem = partial_problem(error)
+    if holes:
+        out = np.zeros(problem.data.seen.shape, dtype=bool)
+        out[0, 4] = out[3, 7] = True
+        data = problem.data.without(out)
+        problem = replace(problem, data=data, shared=Geometry(data).shared(error))
     found = problem.views.without(2, problem.stack, problem.data, problem.shared)
     rest = problem.only(np.array([0, 1, 3, 4, 5]))
     truth = reduce(rest.stack, rest.data, rest.shared, offsets=problem.root is not None).sums

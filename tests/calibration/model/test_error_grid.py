@@ -74,8 +74,25 @@ def test_noise_of_a_view_is_that_of_its_points() -> None:
     covariance = np.eye(18) + 0.7 * np.exp(-gap / 0.2)
     np.testing.assert_allclose(shared.inverse[1][:18, :18], np.linalg.inv(covariance), atol=1e-10)
     assert shared.log_dets[1] == pytest.approx(2 * np.linalg.slogdet(covariance)[1])
-    alone = shared.only(np.array([1]), 18)
+    alone = shared.only(np.array([1]), data.places_of(np.array([1])))
     assert alone.log_det == pytest.approx(shared.log_dets[1])
+
+
+def test_noise_of_some_views_follows_points_left_out_in_their_midst() -> None:
+    """Truth: the error model of those views by themselves."""
+    world, pixels = boards.pictures(np.random.default_rng(1), n_views=3)
+    data, error = boards.observed(world, pixels), ErrorModel(0.7, 0.2)
+    out = np.zeros(data.seen.shape, dtype=bool)
+    out[0, [3, 10]] = out[2, [0, 5, 30]] = True
+    whole, some = data.without(out), np.array([2, 0])
+    found = Geometry(whole).shared(error).only(some, whole.places_of(some))
+    truth = Geometry(whole.only(some)).shared(error)
+    assert found.inverse is not None
+    assert truth.inverse is not None
+    seen = whole.only(some).seen
+    for ours, theirs, has in zip(found.inverse, truth.inverse, seen, strict=True):
+        np.testing.assert_allclose(ours[has][:, has], theirs[has][:, has], atol=1e-9)
+    np.testing.assert_allclose(found.log_dets, truth.log_dets, rtol=1e-12)
 
 
 def test_offsets_have_the_stated_deviation() -> None:

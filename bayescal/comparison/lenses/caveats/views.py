@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 from scipy.special import stdtr
 
 from bayescal.calibration.judging.laplace import degrees
+from bayescal.comparison.adequacy.outcome import p_words
 from bayescal.comparison.finding import Finding, limits, overturns
 from bayescal.comparison.findings.misfit import BECAUSE, GRAVE
 from bayescal.comparison.lenses.places import named_places
@@ -161,8 +162,8 @@ def drift(basis: Evidenced) -> Finding | None:
     size, chance, name, (which, cause) = max(one for one in called if one[3] == why)
     return limits(
         "drift",
-        f"{which} disagree by {significant(size)} px at the {name}, more than noise allows (p = "
-        f"{chance:.2g} after Bonferroni over {number}): {cause}",
+        f"{which} disagree by {significant(size)} px at the {name}, more than noise allows ("
+        f"{p_words(chance)} after Bonferroni over {number}): {cause}",
     )
 
 

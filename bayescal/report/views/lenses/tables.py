@@ -147,7 +147,7 @@ def gross_table(found: LensComparison) -> Table:
     for point in found.gross:
         place = [Cell(point.place)] if lines else []
         sizes = (number_cell(v, lambda x: f"{x:.2f}") for v in (*point.shift, point.size))
-        chance = number_cell(point.p_value, lambda v: f"{v:.1g}")
+        chance = number_cell(point.p_value, lambda v: f"{v:.1g}" if v >= 1e-4 else "<0.0001")
         rows.append((Cell(point.name), *place, *sizes, chance))
     return Table(columns, tuple(rows))
 
