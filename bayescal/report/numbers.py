@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from bayescal.arrays import Array
-from bayescal.comparison.orders.weak import correlation
-from bayescal.comparison.results import OrderResult
+from bayescal.inference.correlation import correlation
 
 if TYPE_CHECKING:  # Gaussian noise on one axis does not pay for what it does not need
+    from bayescal.comparison.results import OrderResult
     from bayescal.inference.sampled_posterior import SampledPosterior
 
 
@@ -49,11 +48,3 @@ def correlations(posterior: SampledPosterior) -> Array:
     """Correlation matrix of a sampled model's parameters, the same on any number of cores."""
     with threadpool_limits(1):
         return correlation(posterior.chain.draws.reshape(-1, len(posterior.names)))
-
-
-def correlation_of(covariance: Array) -> Array:
-    """Correlation matrix; NaN beside a parameter that does not vary."""
-    sd = np.sqrt(covariance.diagonal())
-    scale = np.outer(sd, sd)
-    none = np.full_like(scale, np.nan)
-    return np.asarray(np.divide(covariance, scale, out=none, where=scale > 0))

@@ -11,7 +11,7 @@ import pytest
 
 import bayescal as bc
 from bayescal.comparison.faces.convert import Converts
-from bayescal.report.numbers import correlation_of
+from bayescal.inference.correlation import correlation_of
 from bayescal.report.runs import kind_of
 
 

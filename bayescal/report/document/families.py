@@ -12,8 +12,8 @@ from bayescal.comparison.families.exact_parameters import exact_parameters
 from bayescal.comparison.families.request import FamilyRequest
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.results import FamilyComparison, FamilyDefence
-from bayescal.comparison.orders.weak import weak_combinations
 from bayescal.comparison.settings import Settings
+from bayescal.inference.correlation import weak_combinations
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.report.document.defence import adequacy_rows, removal_rows
 from bayescal.report.document.shared import (

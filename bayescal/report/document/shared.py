@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 from bayescal.arrays import finite
 from bayescal.comparison.faces.convert import Converts
 from bayescal.comparison.finding import Finding
+from bayescal.inference.correlation import correlation_of
 from bayescal.inference.posterior import INTERVAL_PROBABILITY, ParameterSummary, Posterior
 from bayescal.points.correspondences import Correspondences
 from bayescal.points.heading import Heading
-from bayescal.report.numbers import correlation_of
 from bayescal.version import __version__
 
 if TYPE_CHECKING:  # Gaussian noise samples nothing of the kind

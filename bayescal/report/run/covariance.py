@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from math import isnan
 
 from bayescal.comparison.faces.convert import Converts
-from bayescal.report.numbers import correlation_of
+from bayescal.inference.correlation import correlation_of
 
 COVARIANCE = "covariance.csv"
 COLUMNS = ("model", "parameter", "other", "covariance", "correlation")

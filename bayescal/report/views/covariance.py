@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from math import isnan
 
 from bayescal.arrays import Array
+from bayescal.inference.correlation import correlation_of
 from bayescal.report.blocks import Tabled
-from bayescal.report.numbers import correlation_of
 from bayescal.report.table import Cell, Column, Table
 
 CAPTION = "covariance on and above the diagonal, correlations below it"

@@ -11,7 +11,7 @@ from bayescal.comparison.families.verdict import judge_families
 from bayescal.comparison.finding import limits
 from bayescal.comparison.judged import with_probabilities
 from bayescal.comparison.key import Key
-from bayescal.comparison.orders.weak import weak_combinations
+from bayescal.inference.correlation import weak_combinations
 
 
 def joint(family, orders, position, evidence):

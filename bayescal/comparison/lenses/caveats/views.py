@@ -15,7 +15,7 @@ from bayescal.comparison.findings.misfit import BECAUSE, GRAVE
 from bayescal.comparison.lenses.places import named_places
 from bayescal.comparison.lenses.prediction import observed_sample, response
 from bayescal.comparison.lenses.results import Evidenced
-from bayescal.comparison.orders.weak import PART
+from bayescal.inference.correlation import PART
 from bayescal.rounding import counted, significant
 
 USUAL_SIGMA = (0.05, 0.3)  # px: of corner detectors

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from bayescal.comparison.families.result import JointModel
 from bayescal.comparison.families.results import FamilyComparison, GroupedErrors
 from bayescal.comparison.key import FREE, PINHOLE
-from bayescal.comparison.orders.weak import weak_lines
+from bayescal.inference.correlation import weak_lines
 from bayescal.inference.sampled_posterior import SampledPosterior
 from bayescal.polynomials import bivariate
 from bayescal.report.numbers import correlations

@@ -7,7 +7,7 @@ import math
 from bayescal.calibration.judging.laplace import degrees
 from bayescal.calibration.model.error_model import ErrorModel
 from bayescal.comparison.lenses.results import LensComparison
-from bayescal.comparison.orders.weak import correlation, weak_lines
+from bayescal.inference.correlation import correlation, weak_lines
 from bayescal.report.views.lenses.tables import SHOWN
 from bayescal.rounding import counted, percent, rounded, significant
 

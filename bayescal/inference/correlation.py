@@ -1,4 +1,4 @@
-"""Which combinations of parameters the data leave weakly identified."""
+"""Correlations of parameters, and which combinations the data leave weakly identified."""
 
 from __future__ import annotations
 
@@ -17,6 +17,14 @@ PART = 0.35
 def correlation(draws: Array) -> Array:
     """Correlation matrix of draws ``(n_draws, n_parameters)``, square in the parameters."""
     return np.asarray(np.corrcoef(draws, rowvar=False))
+
+
+def correlation_of(covariance: Array) -> Array:
+    """Correlation matrix; NaN beside a parameter that does not vary."""
+    sd = np.sqrt(covariance.diagonal())
+    scale = np.outer(sd, sd)
+    none = np.full_like(scale, np.nan)
+    return np.asarray(np.divide(covariance, scale, out=none, where=scale > 0))
 
 
 def weak_combinations(
