@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 
 from bayescal.errors import InputError
-from bayescal.prediction.calibrated.camera import CalibratedCamera
+from bayescal.prediction.calibrated.camera import CalibratedCamera, no_camera
 from bayescal.prediction.calibrated.saved import camera_from, load_camera
 from bayescal.report.run.bounded import CAMERA, MANIFEST, bounded
 
@@ -49,8 +49,6 @@ def camera_of(result: object) -> CalibratedCamera:
 
     kind = next((kind for kind in kinds() if isinstance(result, kind.result)), None)
     if kind is None:
-        from bayescal.report.run.kind import no_camera
-
         raise no_camera(result)
     return kind.camera(result)
 

@@ -153,3 +153,11 @@ def _end(camera: CalibratedCamera) -> str:
 
 def _kind(camera: CalibratedCamera) -> str:
     return "a camera in the world" if camera.posed else "a lens of many views"
+
+
+def no_camera(result: object) -> InputError:
+    """Complain that something holds no calibrated camera."""
+    return InputError(
+        f"a result of the kind {type(result).__name__} holds no calibrated camera; take one of "
+        "compare, fit or calibrate"
+    )

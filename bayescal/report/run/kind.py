@@ -31,14 +31,6 @@ if TYPE_CHECKING:  # what is printed alone does not pay for a camera
 Result = TypeVar("Result")
 
 
-def no_camera(result: object) -> InputError:
-    """Complain that something holds no calibrated camera."""
-    return InputError(
-        f"a result of the kind {type(result).__name__} holds no calibrated camera; take one of "
-        "compare, fit or calibrate"
-    )
-
-
 class Kind(ABC, Generic[Result]):
     """A kind of result that can be written to a folder."""
 
@@ -161,6 +153,8 @@ class RunKind(Kind[Result]):
         InputError
             Where it holds none.
         """
+        from bayescal.prediction.calibrated.camera import no_camera
+
         raise no_camera(result)
 
     def view(self, result: Result, *, full: bool = False) -> Blocks:
