@@ -137,11 +137,7 @@ def fit_family(
         As `compare_families`.
     """
     settings = Settings(**options, defend=False)
-    radial_orders = checked_orders(orders, lowest=0) if family == "pinhole" else (0,)
-    degrees = (1,) if family == "pinhole" else checked_orders(orders)
-    pair = ((orders[0], orders[-1]),) if family == "separable" else None
-    where = None if position is None else (position,)
-    request = FamilyRequest((family,), degrees, where, radial, radial_orders, pair)
+    request = FamilyRequest.of_one(family, orders, position, radial)
     points, whole = _reduced(points, setup, request, settings)
     return compare_joint(points, request, settings, whole=whole)
 

@@ -7,6 +7,7 @@ from itertools import product
 from typing import TYPE_CHECKING
 
 from bayescal.comparison.key import FREE, PINHOLE, STATED
+from bayescal.comparison.settings import checked_orders
 from bayescal.polynomials import separable
 
 if TYPE_CHECKING:
@@ -40,6 +41,23 @@ class FamilyRequest:
     radial: Radial = "even"
     radial_orders: tuple[int, ...] = (0,)
     pairs: tuple[tuple[int, int], ...] | None = None
+
+    @classmethod
+    def of_one(
+        cls, family: str, orders: tuple[int, ...], position: str | None, radial: Radial
+    ) -> FamilyRequest:
+        """Ask for one model: its orders are of r and c in the separable family, else one.
+
+        Raises
+        ------
+        InputError
+            Where there is no such order.
+        """
+        positions = None if position is None else (position,)
+        if family == PINHOLE:
+            return cls((family,), (1,), positions, radial, checked_orders(orders, lowest=0))
+        pairs = ((orders[0], orders[-1]),) if family == separable.NAME else None
+        return cls((family,), checked_orders(orders), positions, radial, pairs=pairs)
 
     def positions_of(self, family: str) -> tuple[str, ...]:
         """Treatments of the position wanted of a family."""
