@@ -20,6 +20,8 @@ from bayescal.points.correspondences import Correspondences
 from bayescal.polynomials.whole import Whole
 
 RADIAL_ORDERS = (0, 1, 2, 3)
+# Points of a model with a pose or position of its own: some twenty minutes a model.
+MOVED = 500_000
 
 
 @spelled_out(Options)
@@ -157,5 +159,5 @@ def _reduced(
     if many is None:
         return points_of(given, setup), None
     if not can_reduce_families(many, request, settings):
-        return many.at_once(), None
+        return (many.at_once(MOVED) if request.moves else many.at_once()), None
     return reduce_families(many, request, settings)

@@ -105,3 +105,13 @@ def test_what_has_no_closed_form_has_every_point(file: Path) -> None:
     assert found.code == 0
     assert found.err.startswith("bayescal: 6000 points, at all of which every draw looks: about")
     assert "drawn at random" not in found.out
+
+
+def test_more_points_than_take_hours_are_refused(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("bayescal.api.families.MOVED", N - 1)
+    found = here("fit", file, *CAMERA, "--family", "pinhole", "--order", "0", "--quiet")
+    assert (found.code, found.out) == (2, "")
+    assert "holds more than 5999 points" in found.err
+    assert found.err.count("\n") == 1

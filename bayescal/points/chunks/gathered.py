@@ -24,6 +24,7 @@ def gathered(
     notes: tuple[str, ...],
     *,
     labelled: bool,
+    most: int = MOST,
 ) -> Correspondences:
     """Put chunks together, as numbers; a point without a name has its number for one.
 
@@ -40,12 +41,11 @@ def gathered(
     last, n = None, 0
     for chunk in chunks:
         n += len(chunk)
-        if n > MOST:
+        if n > most:
             raise InputError(
-                f"{source}: holds more than {grouped(MOST)} points, the most that noise or a "
-                "family is fitted to which looks at each of them; give fewer (a random sample), "
-                "or compare orders or families at the stated position under Gaussian noise, which "
-                "take any number"
+                f"{source}: holds more than {grouped(most)} points, the most for models that look "
+                "at each of them at every draw; give fewer (a random sample), or compare orders or "
+                "families at the stated position under Gaussian noise, which take any number"
             )
         rows.append(np.column_stack([chunk.world, chunk.pixels]))
         for name, sd in chunk.sigma.items():

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from bayescal.points.chunks.chunk import HELD, Found
-from bayescal.points.chunks.gathered import gathered
+from bayescal.points.chunks.gathered import MOST, gathered
 from bayescal.points.chunks.stored import cut, cut_array, of_npy, of_parquet
 from bayescal.points.chunks.text import of_text
 from bayescal.points.correspondences import Correspondences
@@ -62,8 +62,8 @@ class ManyPoints:
         stated = self.setup.world_sigma is not None or self.found.columns & set(WORLD_SIGMAS)
         return not stated
 
-    def at_once(self) -> Correspondences:
-        """Read all points, under this setup.
+    def at_once(self, most: int = MOST) -> Correspondences:
+        """Read all points, at most so many, under this setup.
 
         Raises
         ------
@@ -72,7 +72,7 @@ class ManyPoints:
         """
         found = self.found
         labelled = "label" in found.columns
-        return gathered(self.source, self, self.digest(), found.notes, labelled=labelled)
+        return gathered(self.source, self, self.digest(), found.notes, labelled=labelled, most=most)
 
 
 def many_points(source: Any, columns: str | Mapping[str, str] | None = None) -> ManyPoints | None:

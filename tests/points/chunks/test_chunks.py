@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 import bayescal as bc
 from bayescal.errors import InputError
-from bayescal.points.chunks import gathered, stored, text
+from bayescal.points.chunks import stored, text
 from bayescal.points.chunks.chunk import HELD, Lazily
 from bayescal.points.chunks.drawn import Drawn
 from bayescal.points.chunks.many import ManyPoints, many_points
@@ -133,11 +133,10 @@ def test_gathered_they_are_those_read_at_once(form: Callable[[Path], None], tmp_
         assert [found.place(i) for i in range(N)] == [expected.place(i) for i in range(N)]
 
 
-def test_more_than_can_be_held_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(gathered, "MOST", N - 1)
+def test_more_than_can_be_held_are_refused(tmp_path: Path) -> None:
     csv(tmp_path / "points.csv")
-    with pytest.raises(InputError, match=r"points.csv: holds more than 5999 points, the most that"):
-        many(tmp_path / "points.csv").at_once()
+    with pytest.raises(InputError, match=r"points.csv: holds more than 5999 points, the most for"):
+        many(tmp_path / "points.csv").at_once(N - 1)
 
 
 @pytest.mark.parametrize("form", [csv, npy, parquet])
